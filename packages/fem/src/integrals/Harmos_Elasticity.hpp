@@ -27,12 +27,19 @@ enum class Integration {
           ///< other elements: on Lagrange elements of second order such motions spread over all cells
 };
 
-/// Linear elasticity on a mesh: what is integrated, and with what. dof = node · dimension + component.
+/// Of what displacements stresses are.
+enum class Strains {
+  Small, ///< linear
+  Finite ///< Green's, of any size: see ElasticLaw; stresses are Cauchy's, of the deformed body
+};
+
+/// Elasticity on a mesh: what is integrated, and with what. dof = node · dimension + component.
 struct Elasticity {
   Kinematics kinematics = Kinematics::PlaneStrain;
   Dilatation dilatation = Dilatation::Full;
   std::vector<Material> materials; ///< of each region
   Integration integration = Integration::Full;
+  Strains strains = Strains::Small; ///< of stresses; matrices and loads of this page are those of small ones
 };
 
 /// Degree of the quadrature of stiffness matrices: on curved or distorted cells none is exact; the full one

@@ -3,6 +3,7 @@
 
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_Tensors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,12 +16,6 @@ std::array<std::array<double, 3>, 3> normalCompliance(const Material& m) {
   const auto& e = m.young;
   const double c12 = -m.poisson[0] / e[0], c13 = -m.poisson[1] / e[0], c23 = -m.poisson[2] / e[1];
   return {{{1.0 / e[0], c12, c13}, {c12, 1.0 / e[1], c23}, {c13, c23, 1.0 / e[2]}}};
-}
-
-double determinant(const std::array<std::array<double, 3>, 3>& s) {
-  return s[0][0] * (s[1][1] * s[2][2] - s[1][2] * s[2][1]) -
-         s[0][1] * (s[1][0] * s[2][2] - s[1][2] * s[2][0]) +
-         s[0][2] * (s[1][0] * s[2][1] - s[1][1] * s[2][0]);
 }
 
 // Cholesky; 0 where it is not positive definite.
@@ -63,13 +58,11 @@ Axes axesOf(const std::array<std::array<double, 3>, 2>& two) {
 
 // ε_material = T ε for strains of which shears are twice the tensor's: ε'_ij = a_ik a_jl ε_kl.
 VoigtMatrix strainTurning(const Axes& a) {
-  constexpr std::array<std::array<std::size_t, 2>, 6> pairs = {
-      {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {0, 2}}};
   VoigtMatrix t{};
   for (std::size_t r = 0; r < 6; ++r)
     for (std::size_t s = 0; s < 6; ++s) {
-      const auto [i, j] = pairs[r];
-      const auto [k, l] = pairs[s];
+      const auto [i, j] = voigtPairs[r];
+      const auto [k, l] = voigtPairs[s];
       t[r][s] = (r < 3 ? 1.0 : 2.0) * 0.5 * (a[i][k] * a[j][l] + a[i][l] * a[j][k]);
     }
   return t;

@@ -25,6 +25,9 @@ using VoigtMatrix = std::array<Voigt, 6>;
 /// Compliance: ε_11 = σ_11/E_1 − ν_12 σ_22/E_1 − ν_13 σ_33/E_1, ..., γ_12 = σ_12/G_12, with
 /// ν_ij/E_i = ν_ji/E_j (Jones: Mechanics of Composite Materials, 1999, section 2.3).
 struct Material {
+  /// Of finite strains, see ElasticLaw; of small ones both are the same.
+  enum class Law { Linear, NeoHookean };
+
   std::array<double, 3> young = {1.0, 1.0, 1.0};                   ///< E_1, E_2, E_3
   std::array<double, 3> poisson = {0.3, 0.3, 0.3};                 ///< ν_12, ν_13, ν_23
   std::array<double, 3> shear = {1.0 / 2.6, 1.0 / 2.6, 1.0 / 2.6}; ///< G_12, G_13, G_23
@@ -34,6 +37,7 @@ struct Material {
   std::optional<std::array<std::array<double, 3>, 2>> axes = std::nullopt;
   /// C in the material's axes, of an anisotropic material: see anisotropic().
   std::optional<VoigtMatrix> coupled = std::nullopt;
+  Law law = Law::Linear; ///< neo-Hookean: of isotropic materials
 
   static Material isotropic(double young, double poisson);
   /// @param stiffness C, symmetric. Moduli and Poisson's ratios are those of its inverse.

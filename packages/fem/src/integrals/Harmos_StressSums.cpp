@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_StressSums.hpp"
 
+#include "Harmos_FiniteStress.hpp"
 #include "Harmos_StrainOperator.hpp"
 
 #include <algorithm>
@@ -38,6 +39,10 @@ class CellStress {
     if (elasticity == nullptr)
       return;
     elasticity_ = elasticity;
+    if (elasticity->strains == Strains::Finite) {
+      finite_ = std::make_unique<FiniteStress>(mesh, cell, *elasticity);
+      return;
+    }
     stiffness_ = stiffnesses(*elasticity);
     strain_ = std::make_unique<StrainOperator>(mesh, cell, isProjected(mesh, *elasticity));
   }
@@ -46,7 +51,9 @@ class CellStress {
   void turnTo(int c) {
     members_ = mesh_.cell(c);
     number_ = c;
-    if (elasticity_ == nullptr)
+    if (finite_ != nullptr)
+      finite_->turnTo(mesh_.region(c));
+    if (strain_ == nullptr)
       return;
     strain_->update();
     material_ = &stiffnessOf(stiffness_, mesh_.region(c));
@@ -60,6 +67,10 @@ class CellStress {
     for (int i = 0; i < cell_.basisSize(); ++i)
       for (std::size_t d = 0; d < components_; ++d)
         *next++ = all[static_cast<std::size_t>(members_[i]) * components_ + d];
+    if (finite_ != nullptr) {
+      finite_->update(values_.data());
+      return;
+    }
     for (std::size_t r = 0; r < 6; ++r)
       thermal_[r] = solution.temperature * expansion_[r];
     nodal_ = solution.temperatures.get();
@@ -69,6 +80,8 @@ class CellStress {
 
   Stress<Entries> at(int q) const {
     if constexpr (Entries == elastic) {
+      if (finite_ != nullptr)
+        return finite_->at(q);
       if (nodal_ == nullptr)
         return strain_->stress(q, values_.data(), *material_, thermal_);
       Voigt thermal = thermal_;
@@ -96,7 +109,8 @@ class CellStress {
   std::optional<TemperatureField> field_;      // where there are any
   const Elasticity* elasticity_ = nullptr;
   std::vector<VoigtMatrix> stiffness_;
-  std::unique_ptr<StrainOperator> strain_;
+  std::unique_ptr<StrainOperator> strain_; // of small strains, or
+  std::unique_ptr<FiniteStress> finite_;
   std::vector<double> values_;
   const int* members_ = nullptr;
   const VoigtMatrix* material_ = nullptr;

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_ElasticLaw.hpp"
+
+#include "Harmos_Errors.hpp"
+#include "Harmos_Tensors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace Harmos::fem {
+namespace {
+
+// C = I + 2E.
+Tensor rightCauchyGreen(const Voigt& strain) {
+  Tensor c{};
+  for (std::size_t r = 0; r < 6; ++r) {
+    const auto [i, j] = voigtPairs[r];
+    c[i][j] = c[j][i] = i == j ? 1.0 + 2.0 * strain[r] : strain[r];
+  }
+  return c;
+}
+
+} // namespace
+
+ElasticLaw::ElasticLaw(const Material& material, Kinematics kinematics)
+    : kinematics_(kinematics),
+      law_(material.law),
+      stiffness_(material.stiffness(kinematics)),
+      lambda_(material.young[0] * material.poisson[0] /
+              ((1.0 + material.poisson[0]) * (1.0 - 2.0 * material.poisson[0]))),
+      shear_(0.5 * material.young[0] / (1.0 + material.poisson[0])) {
+  if (kinematics != Kinematics::PlaneStress)
+    return;
+  const VoigtMatrix whole = material.stiffness(Kinematics::Solid);
+  for (const std::size_t r : {std::size_t{0}, std::size_t{1}, std::size_t{3}})
+    acrossBy_[r] = -whole[2][r] / whole[2][2];
+}
+
+ElasticResponse ElasticLaw::at(const Voigt& strain) const {
+  return law_ == Material::Law::NeoHookean ? neoHookean(strain) : linear(strain);
+}
+
+ElasticResponse ElasticLaw::linear(const Voigt& strain) const {
+  ElasticResponse response;
+  response.tangent = stiffness_;
+  for (std::size_t r = 0; r < 6; ++r) {
+    for (std::size_t s = 0; s < 6; ++s)
+      response.stress[r] += stiffness_[r][s] * strain[s];
+    response.energy += 0.5 * response.stress[r] * strain[r];
+    response.across += acrossBy_[r] * strain[r];
+  }
+  if (kinematics_ != Kinematics::PlaneStress)
+    response.across = strain[2];
+  return response;
+}
+
+// C_zz of S_zz = 0: μ(C_zz − 1) + ½λ(ln det C₂ + ln C_zz) = 0, whose left side rises and is concave: Newton
+// comes from below after its first iteration.
+double ElasticLaw::stretchWithoutStress(const Voigt& strain) const {
+  const double area =
+      (1.0 + 2.0 * strain[0]) * (1.0 + 2.0 * strain[1]) - strain[3] * strain[3]; // det of the plane part
+  if (!(area > 0.0))
+    return std::numeric_limits<double>::quiet_NaN();
+  double c = std::min(1.0, 1.0 / area);
+  constexpr int most = 100; // a dozen are usual
+  for (int k = 0; k < most; ++k) {
+    const double value = shear_ * (c - 1.0) + 0.5 * lambda_ * (std::log(area) + std::log(c));
+    const double change = -value / (shear_ + 0.5 * lambda_ / c);
+    c = std::max(c + change, 0.1 * c);
+    if (std::abs(change) <= std::numeric_limits<double>::epsilon() * c)
+      break;
+  }
+  return c;
+}
+
+ElasticResponse ElasticLaw::neoHookean(const Voigt& given) const {
+  ElasticResponse response;
+  Voigt strain = given;
+  const bool isPlaneStress = kinematics_ == Kinematics::PlaneStress;
+  if (isPlaneStress)
+    strain[2] = 0.5 * (stretchWithoutStress(given) - 1.0);
+  response.across = strain[2];
+  const Tensor c = rightCauchyGreen(strain);
+  const double det = determinant(c);
+  if (!(det > 0.0)) {
+    response.energy = std::numeric_limits<double>::quiet_NaN();
+    return response;
+  }
+  const Tensor inverse = inverseTransposed(c, det);
+  const double logJ = 0.5 * std::log(det), mu = shear_ - lambda_ * logJ;
+  response.energy =
+      shear_ * (strain[0] + strain[1] + strain[2]) - shear_ * logJ + 0.5 * lambda_ * logJ * logJ;
+  for (std::size_t r = 0; r < 6; ++r) {
+    const auto [i, j] = voigtPairs[r];
+    response.stress[r] = (i == j ? shear_ : 0.0) - mu * inverse[i][j];
+    for (std::size_t s = 0; s < 6; ++s) {
+      const auto [k, l] = voigtPairs[s];
+      response.tangent[r][s] = lambda_ * inverse[i][j] * inverse[k][l] +
+                               mu * (inverse[i][k] * inverse[j][l] + inverse[i][l] * inverse[j][k]);
+    }
+  }
+  if (!isPlaneStress)
+    return response;
+  const VoigtMatrix whole = response.tangent;
+  response.stress[2] = 0.0;
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t s = 0; s < 6; ++s)
+      response.tangent[r][s] =
+          r == 2 || s == 2 || r > 3 || s > 3 ? 0.0 : whole[r][s] - whole[r][2] * whole[2][s] / whole[2][2];
+  return response;
+}
+
+std::vector<ElasticLaw> elasticLaws(const Elasticity& elasticity) {
+  std::vector<ElasticLaw> laws;
+  for (const Material& material : elasticity.materials)
+    laws.emplace_back(material, elasticity.kinematics);
+  return laws;
+}
+
+const ElasticLaw& elasticLawOf(const std::vector<ElasticLaw>& all, int region) {
+  HARMOS_REQUIRE(region >= 0 && region < static_cast<int>(all.size()), "a region has no material");
+  return all[static_cast<std::size_t>(region)];
+}
+
+} // namespace Harmos::fem

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Elasticity.hpp"
+
+#include <vector>
+
+namespace Harmos::fem {
+
+/// What a material answers to a strain at a point.
+struct ElasticResponse {
+  double energy = 0.0;   ///< W, per volume of the body at rest
+  Voigt stress{};        ///< S = ∂W/∂E, second Piola–Kirchhoff
+  VoigtMatrix tangent{}; ///< ∂S/∂E, symmetric
+  double across = 0.0;   ///< E_zz: as given, or in plane stress the one without stress
+};
+
+/// The stress of an elastic material at finite strains, W(E) of Green's strain E = ½(FᵀF − I) (Bonet, Wood:
+/// Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, chapter 6):
+///
+///     linear (St. Venant–Kirchhoff)  W = ½E:C:E, C of any symmetry
+///     neo-Hookean                    W = ½μ(tr C − 3) − μ ln J + ½λ ln²J,  C = FᵀF, J² = det C
+///
+/// Both have the stiffness of Material at E = 0. Strains and stresses as in Voigt: shear strains are twice
+/// the tensor's. The first compresses without end under finite pressure: it is one of small strains.
+///
+/// Guarded by tests/unit/fem/test_elastic_law.cpp.
+class ElasticLaw {
+ public:
+  ElasticLaw(const Material& material, Kinematics kinematics);
+
+  /// @param strain E; in plane stress without use of its entry zz.
+  /// @return an energy that is no number where C is not positive definite. Local.
+  ElasticResponse at(const Voigt& strain) const;
+
+ private:
+  ElasticResponse linear(const Voigt& strain) const;
+  ElasticResponse neoHookean(const Voigt& strain) const;
+  double stretchWithoutStress(const Voigt& strain) const;
+
+  Kinematics kinematics_;
+  Material::Law law_;
+  VoigtMatrix stiffness_; // of the kinematics
+  Voigt acrossBy_{};      // E_zz by the other strains, plane stress
+  double lambda_, shear_; // Lamé's, of neo-Hookean materials
+};
+
+/// Of each region.
+std::vector<ElasticLaw> elasticLaws(const Elasticity& elasticity);
+/// @throws InternalError if the region has no material.
+const ElasticLaw& elasticLawOf(const std::vector<ElasticLaw>& all, int region);
+
+} // namespace Harmos::fem

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_FiniteElasticity.hpp"
+
+#include "Harmos_ElasticLaw.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_FiniteStrain.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace Harmos::fem {
+namespace {
+
+// Goes from cell to cell with the strains of a displacement; visit(cell number, integrator, strain, law).
+template<class Visit>
+void visitCells(const Mesh& mesh, const Elasticity& elasticity, const std::vector<double>& displacement,
+                const Visit& visit) {
+  const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
+  CellIntegrator cell(mesh, element);
+  FiniteStrain strain(mesh, cell, isProjected(mesh, elasticity));
+  const std::vector<ElasticLaw> laws = elasticLaws(elasticity);
+  const auto dimension = static_cast<std::size_t>(mesh.dimension());
+  std::vector<double> values(strain.dofs());
+  for (int c = 0; c < mesh.numberOfCells(); ++c) {
+    cell.turnTo(c);
+    for (std::size_t i = 0; i < values.size(); ++i)
+      values[i] =
+          displacement[static_cast<std::size_t>(mesh.cell(c)[i / dimension]) * dimension + i % dimension];
+    strain.update(values.data());
+    if (!visit(c, cell, strain, elasticLawOf(laws, mesh.region(c))))
+      return;
+  }
+}
+
+} // namespace
+
+FiniteForces finiteForces(const Mesh& mesh, const Elasticity& elasticity,
+                          const std::vector<double>& displacement) {
+  FiniteForces result;
+  result.internal.assign(displacement.size(), 0.0);
+  result.leastJacobian = std::numeric_limits<double>::infinity();
+  const auto dimension = static_cast<std::size_t>(mesh.dimension());
+  visitCells(mesh, elasticity, displacement,
+             [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const ElasticLaw& law) {
+               result.leastJacobian = std::min(result.leastJacobian, strain.leastJacobian());
+               if (!(result.leastJacobian > 0.0))
+                 return false;
+               for (int q = 0; q < cell.points(); ++q) {
+                 const ElasticResponse response = law.at(strain.strain(q));
+                 result.energy += cell.measure(q) * response.energy;
+                 for (std::size_t r = 0; r < strain.rows(); ++r) {
+                   const double stress = cell.measure(q) * response.stress[r];
+                   const double* row = strain.row(q, r);
+                   for (std::size_t j = 0; j < strain.dofs() && stress != 0.0; ++j)
+                     result.internal[static_cast<std::size_t>(mesh.cell(c)[j / dimension]) * dimension +
+                                     j % dimension] += stress * row[j];
+                 }
+               }
+               return true;
+             });
+  return result;
+}
+
+namespace {
+
+// k += weight BᵀDB at a point. @param stress of the length of B, for the work.
+void addProduct(const FiniteStrain& strain, int q, double weight, const VoigtMatrix& tangent,
+                std::vector<double>& stress, std::vector<double>& k) {
+  const std::size_t n = strain.dofs(), rows = strain.rows();
+  std::fill(stress.begin(), stress.end(), 0.0);
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t s = 0; s < rows; ++s)
+      if (const double entry = weight * tangent[r][s]; entry != 0.0)
+        for (std::size_t j = 0; j < n; ++j)
+          stress[r * n + j] += entry * strain.row(q, s)[j];
+  for (std::size_t r = 0; r < rows; ++r)
+    for (std::size_t i = 0; i < n; ++i)
+      if (const double b = strain.row(q, r)[i]; b != 0.0)
+        for (std::size_t j = 0; j < n; ++j)
+          k[i * n + j] += b * stress[r * n + j];
+}
+
+} // namespace
+
+LocalMatrix assembleMaterialTangent(const Mesh& mesh, const Elasticity& elasticity,
+                                    const std::vector<double>& displacement) {
+  BlockAssembler assembler(mesh, mesh.dimension());
+  std::vector<double> k, stress;
+  visitCells(mesh, elasticity, displacement,
+             [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const ElasticLaw& law) {
+               HARMOS_REQUIRE(strain.leastJacobian() > 0.0, "a cell is turned inside out");
+               k.assign(strain.dofs() * strain.dofs(), 0.0);
+               stress.resize(strain.rows() * strain.dofs());
+               for (int q = 0; q < cell.points(); ++q)
+                 addProduct(strain, q, cell.measure(q), law.at(strain.strain(q)).tangent, stress, k);
+               assembler.add(c, k);
+               return true;
+             });
+  return assembler.take();
+}
+
+} // namespace Harmos::fem

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_Elasticity.hpp"
+
+#include <vector>
+
+namespace Harmos::fem {
+
+/// What a mesh at finite displacements answers (total Lagrangian: all integrals over the body at rest).
+struct FiniteForces {
+  std::vector<double> internal; ///< ∫B(u)ᵀS, by dof = node · dimension + component
+  double energy = 0.0;          ///< ∫W
+  /// The least det F at the points of integration; not positive where a cell is turned inside out, and
+  /// nothing else is of use.
+  double leastJacobian = 1.0;
+};
+
+/// Forces and energy. @param elasticity materials as of ElasticLaw. @param displacement of all nodes.
+/// @throws NumericalError for cells that are inverted at rest. Local.
+FiniteForces finiteForces(const Mesh& mesh, const Elasticity& elasticity,
+                          const std::vector<double>& displacement);
+
+/// The material part of the tangent, ∫B(u)ᵀ ∂S/∂E B(u): symmetric, positive semidefinite as far as ∂S/∂E is,
+/// its kernel the rigid motions of the deformed mesh (FiniteStrain); graph as of assembleElasticity(), and at
+/// u = 0 the same. What stresses do to turning cells (the geometric part) is not in it.
+/// @throws InternalError where a cell is turned inside out. Local.
+/// Guarded by tests/unit/fem/test_finite_elasticity.cpp.
+LocalMatrix assembleMaterialTangent(const Mesh& mesh, const Elasticity& elasticity,
+                                    const std::vector<double>& displacement);
+
+} // namespace Harmos::fem
