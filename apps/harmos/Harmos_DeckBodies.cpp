@@ -67,19 +67,26 @@ std::array<double, 3> directionIn(const ParameterList& list, const std::string& 
   return {given[0], given[1], given[2]};
 }
 
+bool isIsotropic(const ParameterList& list) {
+  const auto& type = list.get<std::string>("Type");
+  return type == "isotropic" || type == "neo-Hookean";
+}
+
 fem::Material materialFrom(const ParameterList& list) {
   fem::Material material;
   if (list.get<std::string>("Type") == "anisotropic") {
     material = anisotropicFrom(list);
-  } else if (list.get<std::string>("Type") == "isotropic") {
+  } else if (isIsotropic(list)) {
     material =
         fem::Material::isotropic(list.get<double>("Young's modulus"), list.get<double>("Poisson's ratio"));
+    if (list.get<std::string>("Type") == "neo-Hookean")
+      material.law = fem::Material::Law::NeoHookean;
   } else {
     material.young = triple<double>(list, "Young's moduli");
     material.poisson = triple<double>(list, "Poisson's ratios");
     material.shear = triple<double>(list, "Shear moduli");
   }
-  if (list.get<std::string>("Type") != "isotropic") {
+  if (!isIsotropic(list)) {
     material.angle = list.get<double>("Angle") * std::acos(-1.0) / 180.0;
     const ParameterList& expert = list.sublist("Expert");
     if (!expert.get<Teuchos::Array<double>>("Axis 1").empty() ||
@@ -470,8 +477,10 @@ void addMaterials(ParameterSpec& deck) {
   material.choice("Type", "isotropic",
                   {{"isotropic", "by Young's modulus and Poisson's ratio"},
                    {"orthotropic", "by three of each and three shear moduli, about rotated axes"},
-                   {"anisotropic", "by its stiffness, about rotated axes"}},
-                  "Symmetry of the material.");
+                   {"anisotropic", "by its stiffness, about rotated axes"},
+                   {"neo-Hookean", "isotropic; compressible rubber, for finite strains"}},
+                  "Symmetry and law of the material. At finite strains the first three are St. "
+                  "Venant-Kirchhoff's: linear in Green's strain.");
   material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic: Young's modulus, force per area.");
   material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
                 "Isotropic: Poisson's ratio. Above 0.4 see \"Dilatation\" of the bodies.");

@@ -136,6 +136,8 @@ struct MortarOptions {
   /// Nodes of the first surface that have no multiplier, rising: those of both surfaces, and those that
   /// another effect holds; see FacetMultipliers. They have no point.
   std::vector<long long> without{};
+  /// Surfaces that do not meet have no points, in the place of an error.
+  bool mayBeApart = false;
 };
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second,
                                        const MortarOptions& options);

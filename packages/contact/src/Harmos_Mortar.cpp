@@ -575,7 +575,7 @@ std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& seco
   agree(*first.comm, [&] { sides = splitAtEdges(first); });
   const std::vector<ContactPoint> points =
       MortarPieces(sides, second, distance, options).points(std::max(farthestOf(first), farthestOf(second)));
-  if (globalMax(*first.comm, static_cast<long long>(points.size())) == 0)
+  if (!options.mayBeApart && globalMax(*first.comm, static_cast<long long>(points.size())) == 0)
     throw InputError(first.name + " and " + second.name +
                      ": the surfaces never meet: no facet of the first faces a facet of the second within " +
                      scientific(distance) + "; check positions and names or give a longer reach");

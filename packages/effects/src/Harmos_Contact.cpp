@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Contact.hpp"
 
+#include "Harmos_Errors.hpp"
+
 namespace Harmos::effects {
 
 scene::EffectKind kindOfContact() {
@@ -35,6 +37,17 @@ Contact::Contact(SurfacePair pair, double gap, std::string name)
 
 Contact::Contact(SurfacePair pair, const Options& options, std::string name)
     : Effect(kindName, std::move(name)), pair_(std::move(pair)), options_(options) {}
+
+void Contact::check(const scene::Scene& scene) const {
+  if (!scene.isFinite())
+    return;
+  if (pair_.coupling == Coupling::Nodes)
+    throw InputError(label() + " has the coupling \"nodes\", but with \"Model/Kinematics\" = \"finite\" "
+                               "surfaces slide: use \"mortar\" or \"automatic\"");
+  if (options_.adjust > 0.0)
+    throw InputError(label() + " has an \"Adjust\", which is of bodies at rest; with \"Model/Kinematics\" = "
+                               "\"finite\" move the meshes or use \"Gap\"");
+}
 
 void Contact::addConstraints(scene::ConstraintCollector& collector) const {
   std::vector<contact::ContactPoint> points =

@@ -17,6 +17,7 @@ class Tie : public scene::Effect {
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
   bool exertsForce() const override { return true; }
+  bool admitsFiniteStrains() const override { return true; }
   bool tiesSurfaces() const override { return true; }
   void addConstraints(scene::ConstraintCollector& collector) const override;
 

@@ -19,6 +19,7 @@ class Traction : public scene::Effect {
   std::vector<BoundaryPart> boundaryParts() const override { return {{part_.body, part_.set, true}}; }
   std::vector<int> bodies() const override { return {part_.body}; }
   bool hasMagnitude() const override { return true; }
+  bool admitsFiniteStrains() const override { return true; }
   void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
   std::optional<Key> loadKey(const scene::Scene& scene,
                              const scene::OwnedSubdomain& subdomain) const override;

@@ -131,7 +131,9 @@ void tellOfFacets(scene::ConstraintCollector& collector, const contact::Surface&
 
 std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollector& collector, Purpose purpose,
                                                        double gap) const {
-  const contact::Surface one = collector.surface(first.body, first.set, normal);
+  // Normals that are known are those of bodies at rest.
+  const bool isMoved = collector.isOfMoved();
+  const contact::Surface one = collector.surface(first.body, first.set, isMoved ? nullptr : normal);
   const contact::Surface other = collector.surface(second.body, second.set);
   const bool isTie = purpose == Purpose::Tie, joinsEdges = isTie || collector.isScalar();
   Belonging others = belongToOthers(one, collector.taken(first.body, second.body, one.numbers), isTie);
@@ -155,14 +157,14 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
                          "the coupling \"mortar\" or \"automatic\"",
                      {{"first", one.name}, {"second", other.name}});
   std::optional<std::vector<contact::ContactPoint>> matched;
-  if (coupling == Coupling::Nodes)
+  if (coupling == Coupling::Nodes && !isMoved)
     matched = contact::matchNodes(one, other, contact::samePlace, joinsEdges);
-  else if (coupling == Coupling::Automatic && canMatch && countOf(one, without) == 0)
+  else if (coupling == Coupling::Automatic && !isMoved && canMatch && countOf(one, without) == 0)
     matched = contact::matchNodesIfAll(one, other, contact::samePlace, joinsEdges);
   std::vector<contact::ContactPoint> points =
       matched ? std::move(*matched)
-              : contact::mortarPoints(one, other, {reach, joinsEdges, numbersOf(one, without)});
-  if (normal) // exact where it is known, not averaged with the other side's facets
+              : contact::mortarPoints(one, other, {reach, joinsEdges, numbersOf(one, without), isMoved});
+  if (normal && !isMoved) // exact where it is known, not averaged with the other side's facets
     for (contact::ContactPoint& point : points) {
       const auto at = std::lower_bound(one.numbers.begin(), one.numbers.end(), point.node);
       point.normal = one.normals[static_cast<std::size_t>(at - one.numbers.begin())];

@@ -67,6 +67,11 @@ void DualPipeline::constrain(const std::vector<ConstraintRow>& rows) {
   tell(PipelineStage::Constraints);
 }
 
+Teuchos::RCP<const Constraints> DualPipeline::constraintsOf(const std::vector<ConstraintRow>& rows) const {
+  return keeping<const Constraints>(
+      new Constraints(*made_.system, rows, options_.weightsFor(traits_.contrast)), made_.system);
+}
+
 void DualPipeline::decide() {
   const SubdomainSystem& system = *made_.system;
   const Constraints& constraints = *made_.constraints;

@@ -113,6 +113,9 @@ class DualPipeline {
   // What is made anew by changes. Whoever keeps one keeps all that it was made of; of inverses that were
   // factored anew it is that of the new matrices.
   Teuchos::RCP<const Constraints> constraints() const { return made_.constraints; }
+  /// Those of other rows on the system as it is, for an audit; nothing here changes. To live as long as this.
+  /// @throws InputError on all ranks, as setRows(). @note Collective.
+  Teuchos::RCP<const Constraints> constraintsOf(const std::vector<ConstraintRow>& rows) const;
   // Once it is complete.
   Teuchos::RCP<const LocalInverses> inverses() const { return made_.inverses; }
   Teuchos::RCP<const CoarseSpace> coarse() const { return made_.coarse; }

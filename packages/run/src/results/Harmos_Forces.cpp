@@ -109,15 +109,16 @@ class Sums {
 };
 
 // Loads; congruent subdomains share them.
-void addLoads(const scene::Scene& scene, const feti::SubdomainSystem& system, Sums& sums) {
+void addLoads(const scene::Scene& scene,
+              const std::vector<std::shared_ptr<const std::vector<double>>>& loads, Sums& sums) {
   struct Load {
     Point force{};
     double size = 0.0;
   };
   const auto components = static_cast<std::size_t>(scene.components());
   std::map<const std::vector<double>*, Load> known;
-  for (int i = 0; i < system.size(); ++i) {
-    const std::vector<double>& f = *system.subdomain(i).load;
+  for (const auto& shared : loads) {
+    const std::vector<double>& f = *shared;
     const auto [place, isNew] = known.try_emplace(&f);
     Load& load = place->second;
     for (std::size_t k = 0; isNew && k < f.size(); k += components) {
@@ -155,10 +156,20 @@ void addGivenForces(const scene::Scene& scene, const std::vector<scene::OwnedSub
   }
 }
 
+// Where a node is: of small displacements, where it was.
+Point placeOf(const scene::Scene& scene, const scene::OwnedSubdomain& item, const std::vector<double>& u,
+              int node) {
+  Point x = item.mesh.position(node);
+  const auto components = static_cast<std::size_t>(scene.components());
+  for (std::size_t d = 0; d < components && scene.isFinite(); ++d)
+    x[d] += u[static_cast<std::size_t>(node) * components + d];
+  return x;
+}
+
 // What holds prescribed dofs. Effects are asked in the order in which the system was made.
 void addReactions(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned,
-                  const feti::SubdomainSystem& system, const std::vector<std::vector<double>>& reactions,
-                  Sums& sums) {
+                  const feti::SubdomainSystem& system, const feti::TornVector& displacement,
+                  const std::vector<std::vector<double>>& reactions, Sums& sums) {
   const int components = scene.components();
   for (std::size_t i = 0; i < owned.size(); ++i) {
     if (reactions[i].empty())
@@ -181,7 +192,7 @@ void addReactions(const scene::Scene& scene, const std::vector<scene::OwnedSubdo
         Point force = scene::directionOf(scene, part[k].dof % components);
         for (double& component : force)
           component *= reactions[i][next];
-        sums.add(*effect, owned[i].mesh.position(part[k].dof / components), force);
+        sums.add(*effect, placeOf(scene, owned[i], displacement[i], part[k].dof / components), force);
         sums.addOuter(force);
       }
     }
@@ -206,7 +217,7 @@ void addSprings(const scene::Scene& scene, const std::vector<scene::OwnedSubdoma
             entry.value * displacement[i][static_cast<std::size_t>(entry.column)];
       for (const auto& [node, values] : atNode) {
         const Point force = vectorOf(values.data(), components);
-        sums.add(*effect, owned[i].mesh.position(node), force);
+        sums.add(*effect, placeOf(scene, owned[i], displacement[i], node), force);
         sums.addKnown(force, length(force));
       }
     }
@@ -242,11 +253,15 @@ Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                 const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
                 const scene::ContactSetup& contact, const feti::TornVector& displacement,
                 const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers,
-                std::optional<double> time) {
+                std::optional<double> time,
+                const std::vector<std::shared_ptr<const std::vector<double>>>* loads) {
+  std::vector<std::shared_ptr<const std::vector<double>>> own;
+  for (int i = 0; i < system.size() && loads == nullptr; ++i)
+    own.push_back(system.subdomain(i).load);
   Sums sums(scene, contact);
   addGivenForces(scene, owned, time.value_or(scene.timeline.ends().front()), sums);
-  addLoads(scene, system, sums);
-  addReactions(scene, owned, system, reactions, sums);
+  addLoads(scene, loads != nullptr ? *loads : own, sums);
+  addReactions(scene, owned, system, displacement, reactions, sums);
   addSprings(scene, owned, displacement, sums);
   addRows(scene, contact, multipliers, sums);
   return sums.total(comm);

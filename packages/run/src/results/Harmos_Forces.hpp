@@ -6,6 +6,7 @@
 
 #include <Teuchos_Comm.hpp>
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,14 +43,16 @@ struct Forces {
 /// two effects hold, and a row that two effects ask for, counts for the first of them.
 /// @param system, contact of the scene and this rank's subdomains. @param reactions see feti::reactions().
 /// @param multipliers see feti::Constraints::givenMultipliers(), of the rows of the contact.
-/// @param time of loads; none: of the first step. @return the same on every rank.
+/// @param time of loads; none: of the first step. @param loads of each subdomain, where they are not those of
+/// the system; of finite displacements forces act at the places where nodes are now. @return the same on every rank.
 /// @note Collective.
 /// Guarded by tests/unit/run/test_forces.cpp.
 Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
                 const std::vector<scene::OwnedSubdomain>& owned, const feti::SubdomainSystem& system,
                 const scene::ContactSetup& contact, const feti::TornVector& displacement,
                 const std::vector<std::vector<double>>& reactions, const std::vector<double>& multipliers,
-                std::optional<double> time = std::nullopt);
+                std::optional<double> time = std::nullopt,
+                const std::vector<std::shared_ptr<const std::vector<double>>>* loads = nullptr);
 
 /// A table for people; of many effects the first ones. "" without any.
 std::string forcesText(const Forces& forces);

@@ -180,7 +180,9 @@ void RunStages::makePipeline() {
   context_.report.kernelDimension = system.kernelDimension();
   {
     const auto scope = context_.timers.scope("dual_operator");
-    contact_ = scene::setUpContact(*context_.comm, context_.scene, owned_, costs_);
+    contact_ = context_.scene.isFinite()
+                   ? scene::setUpMovedContact(*context_.comm, context_.scene, owned_, owned_, costs_)
+                   : scene::setUpContact(*context_.comm, context_.scene, owned_, costs_);
   }
   feti::PipelineObserver* const observer = this; // which others need not know
   pipeline_ = std::make_unique<feti::DualPipeline>(std::move(system), contact_.rows, dualOptions(), traits(),
@@ -231,6 +233,12 @@ void RunStages::made(feti::PipelineStage stage, const feti::DualPipeline& pipeli
 }
 
 void RunStages::tellConstraints(const feti::DualPipeline& pipeline) {
+  if (pipeline.counts().constraints > 1) { // of finite displacements: they come and go
+    context_.report.dualDimension = pipeline.constraints()->dualDimension();
+    context_.report.inequalities = pipeline.constraints()->inequalities();
+    context_.report.limited = pipeline.constraints()->limited();
+    return;
+  }
   for (const std::string& note : contact_.notes)
     context_.log.info(note);
   const feti::Constraints& constraints = *pipeline.constraints();
@@ -308,6 +316,8 @@ bool isHeldWeakly(const feti::DualPipeline& pipeline) {
 } // namespace
 
 void RunStages::tellCoarse(const feti::DualPipeline& pipeline) {
+  if (pipeline.counts().coarse > 1)
+    return;
   const feti::CoarseSpace& coarse = *pipeline.coarse();
   context_.report.coarseDimension = coarse.dimension();
   context_.report.isCoarseDistributed = coarse.isDistributed();
@@ -457,18 +467,31 @@ void RunStages::recover() {
   judgeDrift();
   solve_->conclude();
   const auto scope = context_.timers.scope("recovery");
+  tellContact(torn_);
+  tellForces(torn_, nullptr);
+}
+
+// Of rows, by a solution of the problem as it is.
+void RunStages::tellContact(const feti::TornSolution& solution) {
+  context_.report.contact.clear();
   if (context_.report.inequalities > 0)
-    context_.report.contact =
-        contactStates(*context_.comm, contact_.points, feti::contactState(*pipeline_->constraints(), torn_));
+    context_.report.contact = contactStates(*context_.comm, contact_.points,
+                                            feti::contactState(*pipeline_->constraints(), solution));
   if (context_.report.limited > 0) {
     context_.report.slips =
-        rowSlips(*context_.comm, contact_, feti::frictionState(*pipeline_->constraints(), torn_));
+        rowSlips(*context_.comm, contact_, feti::frictionState(*pipeline_->constraints(), solution));
     addSlips(*context_.comm, contact_, context_.report.slips, slipsBefore_, context_.report.contact);
   }
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
-  reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), torn_);
-  context_.report.forces = forcesOf(*context_.comm, context_.scene, owned_, pipeline_->system(), contact_,
-                                    torn_.displacement, reactions_, multipliers(), time_);
+  reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), solution);
+}
+
+// @param solution with the displacements. @param loads null: those of the system.
+void RunStages::tellForces(const feti::TornSolution& solution,
+                           const std::vector<std::shared_ptr<const std::vector<double>>>* loads) {
+  context_.report.forces =
+      forcesOf(*context_.comm, context_.scene, owned_, pipeline_->system(), contact_, solution.displacement,
+               reactions_, pipeline_->constraints()->givenMultipliers(*solution.multiplier), time_, loads);
   // Where nothing is strained: rounding errors of stiffness times displacement are in no balance. Loads and
   // springs are no such errors.
   constexpr double rounding = 1e-12;
@@ -481,6 +504,27 @@ void RunStages::recover() {
     for (Forces::Of& effect : context_.report.forces.effects)
       if (effect.path == pair.path)
         effect.error = pair.relative();
+}
+
+void RunStages::prepare(Iterate iterate) {
+  time_ = iterate.time;
+  {
+    const auto scope = context_.timers.scope("dual_operator");
+    contact_ = std::move(iterate.contact);
+    pipeline_->setPrescribed(iterate.prescribed);
+  }
+  pipeline_->setShape(iterate.tangent.matrices, iterate.tangent.kernels, std::move(iterate.loads),
+                      contact_.rows);
+  pipeline_->problem();
+}
+
+void RunStages::take(Equilibrium equilibrium) {
+  const auto scope = context_.timers.scope("recovery");
+  context_.report.audit = equilibrium.audit;
+  context_.report.audited = true;
+  tellContact(equilibrium.change);
+  torn_ = {std::move(equilibrium.displacement), equilibrium.change.multiplier, {}};
+  tellForces(torn_, &equilibrium.loads);
 }
 
 void RunStages::tellResult() const {

@@ -3,6 +3,7 @@
 
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
+#include "Harmos_DeformedBodies.hpp"
 #include "Harmos_IncrementSolver.hpp"
 #include "Harmos_RunContext.hpp"
 #include "Harmos_RunDirectory.hpp"
@@ -53,6 +54,24 @@ class RunStages : private feti::PipelineObserver {
   /// Whether prescribed values of some time can be met; prepare() has to follow.
   /// @throws InputError on all ranks if they contradict each other or a row that holds nothing else.
   void checkBounds(const std::vector<std::vector<double>>& prescribed);
+  /// Of finite displacements: the problem of a Newton iteration, of how they change.
+  struct Iterate {
+    double time;
+    DeformedBodies::Tangent tangent;
+    std::vector<std::shared_ptr<const std::vector<double>>> loads; ///< less internal forces
+    std::vector<std::vector<double>> prescribed;
+    scene::ContactSetup contact;
+  };
+  void prepare(Iterate iterate);
+  /// And the equilibrium that it came to, in the place of recover(): contact states, reactions and forces
+  /// follow, the audit is given.
+  struct Equilibrium {
+    feti::TornSolution change; ///< the last one, with its multiplier
+    feti::TornVector displacement;
+    std::vector<std::shared_ptr<const std::vector<double>>> loads;
+    feti::KktAudit audit;
+  };
+  void take(Equilibrium equilibrium);
   /// Solves from a start, or from the options' own (null). @param log for what is told of the solution.
   /// @param secondsSpent by solutions before, which the limit of the options counts too. @param tolerance
   /// fixed one in the place of the options'.
@@ -88,6 +107,7 @@ class RunStages : private feti::PipelineObserver {
   std::vector<double> multipliers() const {
     return pipeline_->constraints()->givenMultipliers(*torn_.multiplier);
   }
+  feti::DualPipeline& pipeline() { return *pipeline_; }
   const RunDirectory& directory() const { return directory_; }
   /// A monitor of the next solution. @param checkpoint that it goes on from, or null.
   Teuchos::RCP<RunMonitor> monitor(const CheckpointReader* checkpoint, const Log& log, SolvePlace place);
@@ -108,6 +128,9 @@ class RunStages : private feti::PipelineObserver {
   feti::AnswerCriteria criteria() const;
   void write();
 
+  void tellContact(const feti::TornSolution& solution);
+  void tellForces(const feti::TornSolution& solution,
+                  const std::vector<std::shared_ptr<const std::vector<double>>>* loads);
   void leaveInterrupted();
   StepRow onlyStep();
   void judgeDrift();

@@ -54,6 +54,8 @@ void StepSequence::begin() {
   bounds_.emplace(Bounds{{context_.scene, run_.contact()},
                          {*context_.comm, run_.contact(), run_.owned(), context_.scene.components()}});
   energy_.emplace(run_.loads().cases(), run_.contact().limitedRows > 0, context_.scene.breaks());
+  if (context_.scene.isFinite())
+    equilibrium_.emplace(context_, run_);
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   if (hasSteps())
@@ -96,8 +98,10 @@ std::string StepSequence::placeText() const {
 }
 
 StepSequence::Outcome StepSequence::attempt() {
-  if (within_ == nullptr) {
+  if (watch_.within == nullptr) {
     states_->begin(advance());
+    if (equilibrium_)
+      equilibrium_->begin();
     attempt_.updates = 0;
     attempt_.counters = {};
   }
@@ -163,19 +167,45 @@ double StepSequence::residualAtStart() const {
 }
 
 feti::WarmStart StepSequence::lastSolution() const {
-  return {run_.torn().multiplier, run_.dualSolution().mu};
+  return {run_.torn().multiplier, equilibrium_ ? std::vector<double>() : run_.dualSolution().mu};
 }
 
 // After an update of states what differs are some rows: the last solution is the nearest one.
 std::optional<feti::WarmStart> StepSequence::startOfSolve() const {
   if (!states_->start().multiplier.is_null())
     return states_->start();
-  if (attempt_.updates > 0 && within_ == nullptr && context_.report.solved)
+  if (attempt_.updates > 0 && watch_.within == nullptr && context_.report.solved)
     return lastSolution();
   return history_.start(run_.dualProblem(), context_.options.tolerance);
 }
 
+StepSequence::Outcome StepSequence::solveFinite() {
+  const qp::IterationRecord before =
+      work_.iterations.empty() ? qp::IterationRecord{} : work_.iterations.back();
+  watch_.monitor = run_.monitor(nullptr, quiet_, {placeText(), before, watch_.clock, true});
+  watch_.within = nullptr;
+  const auto saveWithin = [this] {
+    watch_.monitor->saveBetween([this](Archive& archive) { exchange(archive, true); });
+  };
+  const EquilibriumLoop::Outcome outcome =
+      equilibrium_->solve(clock_.to(), quiet_, *watch_.monitor, saveWithin);
+  if (outcome == EquilibriumLoop::Outcome::Interrupted) {
+    saveWithin();
+    context_.report.converged = false;
+    return Outcome::Interrupted;
+  }
+  work_.counters += context_.report.result.counters;
+  attempt_.counters += context_.report.result.counters;
+  for (const qp::IterationRecord& row : context_.report.result.history)
+    work_.iterations.push_back(qp::countedOn(row, before));
+  context_.report.converged = outcome == EquilibriumLoop::Outcome::Converged;
+  attempt_.failure = equilibrium_->failure();
+  return context_.report.converged ? Outcome::Accepted : Outcome::Failed;
+}
+
 StepSequence::Outcome StepSequence::solve() {
+  if (equilibrium_)
+    return solveFinite();
   try {
     prepare(clock_.to());
   } catch (const NumericalError& error) { // on all ranks: loads on a motion that nothing can hold
@@ -186,10 +216,10 @@ StepSequence::Outcome StepSequence::solve() {
   const std::optional<feti::WarmStart> start = startOfSolve();
   const qp::IterationRecord before =
       work_.iterations.empty() ? qp::IterationRecord{} : work_.iterations.back();
-  monitor_ = run_.monitor(within_, quiet_, {placeText(), before, watch_, true});
-  monitor_->addState([this](Archive& archive) { exchange(archive, true); });
-  within_ = nullptr;
-  run_.solve(start ? &*start : nullptr, monitor_, quiet_, before.seconds - work_.secondsBefore,
+  watch_.monitor = run_.monitor(watch_.within, quiet_, {placeText(), before, watch_.clock, true});
+  watch_.monitor->addState([this](Archive& archive) { exchange(archive, true); });
+  watch_.within = nullptr;
+  run_.solve(start ? &*start : nullptr, watch_.monitor, quiet_, before.seconds - work_.secondsBefore,
              states_->tolerance(context_.options.tolerance));
   work_.counters += context_.report.result.counters;
   attempt_.counters += context_.report.result.counters;
@@ -229,7 +259,10 @@ StepSequence::Outcome StepSequence::accept() {
   }
   if (states_->hasSoftened()) // what loads come to is another matter from here on
     history_.clear();
-  history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
+  if (equilibrium_)
+    equilibrium_->commit();
+  else
+    history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
   const double snapped = energy_->snapped();
   states_->commit();
   if (const std::string text = bounds_->locks.commit(clock_.to(), run_.torn().displacement); !text.empty())
@@ -253,7 +286,7 @@ StepSequence::Outcome StepSequence::accept() {
 // Between two steps: the solver may have had no time to look.
 StepSequence::Outcome StepSequence::look(bool endsStep) {
   using Wish = RunMonitor::Wish;
-  const Wish wish = monitor_->askBetween();
+  const Wish wish = watch_.monitor->askBetween();
   const int every = context_.options.checkpoint.steps;
   const bool isDue = endsStep && every > 0 && done_.rows.back().step % every == 0;
   if (isDue || wish != Wish::GoOn)
@@ -312,10 +345,12 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
       tellFurther(context_.scene, row);
   }
   history_.exchange(archive, run_.dualProblem());
+  if (equilibrium_)
+    equilibrium_->exchange(archive, isWithinSolve);
 }
 
 void StepSequence::saveBetweenSteps() {
-  monitor_->saveBetween([this](Archive& archive) { exchange(archive, false); });
+  watch_.monitor->saveBetween([this](Archive& archive) { exchange(archive, false); });
 }
 
 // Whether there was something to go on from.
@@ -328,8 +363,8 @@ bool StepSequence::restore() {
     archive.number("within a solve", isWithinSolve);
     exchange(archive, isWithinSolve);
   });
-  within_ = isWithinSolve ? checkpoint : nullptr;
-  if (!isWithinSolve) { // the solver would look by itself
+  watch_.within = isWithinSolve ? checkpoint : nullptr;
+  if (!isWithinSolve && !equilibrium_) { // the solver would look by itself
     prepare(done_.rows.back().time);
     requireSameProblem(*checkpoint, run_.dualProblem(), context_.report.localCondition);
   }

@@ -3,6 +3,7 @@
 
 #include "Harmos_EffectStates.hpp"
 #include "Harmos_EnergyAccount.hpp"
+#include "Harmos_EquilibriumLoop.hpp"
 #include "Harmos_Locks.hpp"
 #include "Harmos_MovingBounds.hpp"
 #include "Harmos_RunStages.hpp"
@@ -43,6 +44,7 @@ class StepSequence {
   bool restore();
   Outcome attempt();
   Outcome solve();
+  Outcome solveFinite();
   void prepare(double time);
   Outcome accept();
   Outcome look(bool endsStep);
@@ -90,15 +92,18 @@ class StepSequence {
   };
   std::optional<Bounds> bounds_;
   std::optional<EnergyAccount> energy_;
-  bool prescribesMotion_ = false; // on any rank
+  std::optional<EquilibriumLoop> equilibrium_; // of finite displacements
+  bool prescribesMotion_ = false;              // on any rank
   StepClock clock_;
   feti::SolutionHistory history_;
   Done done_;
   Work work_;
   Attempt attempt_;
-  Teuchos::RCP<RunMonitor> monitor_; // of the last solve
-  std::shared_ptr<WatchClock> watch_ = std::make_shared<WatchClock>();
-  const CheckpointReader* within_ = nullptr; // a solve to go on with
+  struct Watch {
+    Teuchos::RCP<RunMonitor> monitor; // of the last solve
+    std::shared_ptr<WatchClock> clock = std::make_shared<WatchClock>();
+    const CheckpointReader* within = nullptr; // a solve to go on with
+  } watch_;
 };
 
 } // namespace Harmos::run

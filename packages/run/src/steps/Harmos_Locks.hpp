@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_ContactSetup.hpp"
+#include "Harmos_SolverMonitor.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 #include "Harmos_Types.hpp"
 

@@ -111,12 +111,27 @@ void requireThicknessOne(const Scene& scene, const Effect& effect) {
   }
 }
 
+void requireFinite(const Scene& scene) {
+  if (!scene.isFinite())
+    return;
+  if (scene.physics == Physics::Membrane)
+    throw InputError("\"Model/Kinematics\" = \"finite\" is for elastic bodies; membranes have small "
+                     "displacements",
+                     {{"path", "Model/Kinematics"}});
+  for (const auto& effect : scene.effects)
+    if (!effect->admitsFiniteStrains())
+      throw InputError(effect->label() + " does not work with \"Model/Kinematics\" = \"finite\"; remove it "
+                                         "or use \"small\"",
+                       {{"path", "Model/Kinematics"}});
+}
+
 } // namespace
 
 void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
                         const std::vector<OwnedSubdomain>& owned) {
   const PartNames names = gatherPartNames(comm, scene.bodies.size(), owned);
   // From here on every rank has the same data and meets the same errors.
+  requireFinite(scene);
   for (const auto& effect : scene.effects) {
     for (int body : effect->bodies())
       requireBody(scene, body, effect->label());

@@ -32,12 +32,14 @@ std::size_t bytesOf(const ConstraintRow& row) {
 } // namespace
 
 ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                         const std::vector<OwnedSubdomain>& owned, EffectCosts& costs)
+                                         const std::vector<OwnedSubdomain>& owned, EffectCosts& costs,
+                                         const std::vector<OwnedSubdomain>* atRest)
     : comm_(comm),
       scene_(scene),
       costs_(costs),
       effects_(scene, costs),
-      parts_(owned),
+      places_{PartsOfRank(owned),
+              atRest != nullptr ? std::optional<PartsOfRank>(*atRest) : std::optional<PartsOfRank>()},
       contacts_(scene.physics != Physics::Membrane),
       ties_(false) {
   held_[scene.timeline.ends().front()];
@@ -48,7 +50,7 @@ ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const S
 
 contact::Surface ConstraintCollector::surface(int body, const std::string& set,
                                               const contact::NormalField& normal) const {
-  return contact::gatherSurface(comm_, parts_.withSides({body, set}), set,
+  return contact::gatherSurface(comm_, partsOfAsked().withSides({body, set}), set,
                                 scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
 }
 
@@ -141,7 +143,7 @@ void ConstraintCollector::findHeldDofs() {
   std::vector<long long> asked;
   agree(comm_, [&] {
     for (const Part& part : heldParts_) {
-      for (const OwnedSubdomain* item : parts_.withNodes(part)) {
+      for (const OwnedSubdomain* item : partsOfAsked().withNodes(part)) {
         const std::vector<int>& nodes = item->mesh.sets.at(part.second);
         long long time = 0;
         for (const auto& timed : held_) {
@@ -411,7 +413,7 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::nodesOf(const std::v
   };
   std::vector<Found> found;
   for (std::size_t k = 0; k < parts.size(); ++k)
-    for (const OwnedSubdomain* item : parts_.withNodes(parts[k]))
+    for (const OwnedSubdomain* item : partsOfAsked().withNodes(parts[k]))
       for (int node : item->mesh.sets.at(parts[k].second))
         found.push_back({k, {item->mesh.number(node), item->mesh.position(node)}});
   std::vector<Node> nodes(parts.size(), Node{-1, {}});
@@ -430,7 +432,7 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::nodesOf(const std::v
 
 PartMeasure ConstraintCollector::measureOf(int body, const std::string& set) const {
   std::vector<PartMeasure> mine;
-  for (const OwnedSubdomain* item : parts_.withNodes({body, set}))
+  for (const OwnedSubdomain* item : partsOfAsked().withNodes({body, set}))
     if (mine.empty())
       mine.push_back(item->measures.at(set));
   mine = gatherAll(comm_, mine);
@@ -441,7 +443,7 @@ PartMeasure ConstraintCollector::measureOf(int body, const std::string& set) con
 std::vector<ConstraintCollector::Node> ConstraintCollector::allNodesOf(int body, const std::string& set) {
   askForHeldDofs({{body, set}});
   std::vector<Node> nodes;
-  for (const OwnedSubdomain* item : parts_.withNodes({body, set}))
+  for (const OwnedSubdomain* item : partsOfAsked().withNodes({body, set}))
     for (int node : item->mesh.sets.at(set))
       nodes.push_back({item->mesh.number(node), item->mesh.position(node)});
   nodes = gatherAll(comm_, nodes);

@@ -80,14 +80,17 @@ struct ContactSetup {
 /// of all effects before.
 class ConstraintCollector {
  public:
-  /// All of these have to outlive it.
+  /// All of these have to outlive it. @param atRest of bodies that have moved: as they were; or null.
   ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
-                      const std::vector<OwnedSubdomain>& owned, EffectCosts& costs);
+                      const std::vector<OwnedSubdomain>& owned, EffectCosts& costs,
+                      const std::vector<OwnedSubdomain>* atRest = nullptr);
 
   // For effects.
 
   /// Whether nodes have one dof, and normals play no part.
   bool isScalar() const { return scene_.components() == 1; }
+  /// Whether surfaces are those of deformed bodies, which may be apart for a while; those of ties are not.
+  bool isOfMoved() const { return places_.atRest && asked_ != nullptr && !asked_->tiesSurfaces(); }
 
   /// A boundary part: the piece that is on this rank; see contact::gatherSurface(). @note Collective.
   contact::Surface surface(int body, const std::string& set,
@@ -212,7 +215,14 @@ class ConstraintCollector {
   const Scene& scene_;
   EffectCosts& costs_;
   SubdomainEffects effects_;
-  PartsOfRank parts_;
+  struct Places {
+    PartsOfRank now;
+    std::optional<PartsOfRank> atRest; // of bodies that have moved
+  };
+  const PartsOfRank& partsOfAsked() const {
+    return isOfMoved() || !places_.atRest ? places_.now : *places_.atRest;
+  }
+  Places places_;
   const Effect* asked_ = nullptr;
   int askedBefore_ = -1;
   DistinctPoints contacts_, ties_;

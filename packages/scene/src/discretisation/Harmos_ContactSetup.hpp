@@ -15,4 +15,12 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
 ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
                           const std::vector<OwnedSubdomain>& owned);
 
+/// The same of deformed bodies: contacts of where they are now, in terms of how displacements change from
+/// here; ties and equations as of the bodies at rest. Contacts may be apart; those of two surfaces are
+/// mortar couplings.
+/// @param moved as moved() makes them.
+ContactSetup setUpMovedContact(const Teuchos::Comm<int>& comm, const Scene& scene,
+                               const std::vector<OwnedSubdomain>& atRest,
+                               const std::vector<OwnedSubdomain>& moved, EffectCosts& costs);
+
 } // namespace Harmos::scene

@@ -75,6 +75,10 @@ class Effect {
   /// Whether it has a size that a history scales over time (see Timeline): loads, prescribed values and
   /// strains that it adds are those of the factor 1.
   virtual bool hasMagnitude() const { return false; }
+  /// Whether it is one of bodies at finite displacements too: loads keep their direction and their size over
+  /// the body at rest, rows of ties and equations are those of the body at rest, those of contacts those of
+  /// the deformed one.
+  virtual bool admitsFiniteStrains() const { return false; }
   /// @throws InputError for settings that the scene does not admit. Local; the same on all ranks.
   virtual void check(const Scene&) const {}
 

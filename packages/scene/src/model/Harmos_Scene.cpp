@@ -191,7 +191,7 @@ fem::Point directionOf(const Scene& scene, int component) {
 }
 
 fem::Elasticity elasticityOf(const Scene& scene, const Body& body) {
-  return {kinematicsOf(scene.physics), body.dilatation, body.materials, body.integration};
+  return {kinematicsOf(scene.physics), body.dilatation, body.materials, body.integration, scene.strains};
 }
 
 } // namespace Harmos::scene

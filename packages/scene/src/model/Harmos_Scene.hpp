@@ -65,6 +65,7 @@ struct Measure {
 struct Scene {
   std::string name;
   Physics physics = Physics::Membrane;
+  fem::Strains strains = fem::Strains::Small;
   std::vector<Body> bodies;
   /// Boundary parts besides those that the meshes have; in their order: one may be named by those after it.
   std::vector<fem::BoundaryRule> boundaryRules;
@@ -82,8 +83,10 @@ struct Scene {
   bool hasInequalities() const;
   /// Whether points may break: even a static state goes the way of a step then.
   bool breaks() const;
+  /// Whether displacements are of any size: equilibrium and contact are those of the deformed bodies.
+  bool isFinite() const { return strains == fem::Strains::Finite; }
   /// Whether it is solved step by step.
-  bool goesInSteps() const { return timeline.hasSteps() || breaks(); }
+  bool goesInSteps() const { return timeline.hasSteps() || breaks() || isFinite(); }
   /// A body that no effect holds, but for inequalities, floats.
   bool hasFloatingBody() const;
   /// Whether stiffnesses differ from body to body or region to region.

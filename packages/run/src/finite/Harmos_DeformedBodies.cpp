@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_DeformedBodies.hpp"
+
+#include "Harmos_Agreement.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_FiniteElasticity.hpp"
+#include "Harmos_Kernel.hpp"
+#include "Harmos_Rendezvous.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace Harmos::run {
+namespace {
+
+// What effects add to the matrix of a subdomain.
+std::shared_ptr<const LocalMatrix> springsOf(const scene::Scene& scene, const scene::OwnedSubdomain& item) {
+  std::vector<MatrixEntry> entries;
+  for (const auto& effect : scene.effects) {
+    const std::vector<int> bodies = effect->bodies();
+    if (std::find(bodies.begin(), bodies.end(), item.body) != bodies.end() &&
+        effect->stiffnessKey(scene, item))
+      effect->addStiffness(scene, item, entries);
+  }
+  return entries.empty() ? nullptr
+                         : std::make_shared<LocalMatrix>(makeLocalMatrix(
+                               item.mesh.mesh->numberOfNodes() * scene.components(), std::move(entries)));
+}
+
+feti::Kernel kernelOf(const fem::Mesh& mesh, const std::vector<double>& displacement) {
+  const int components = mesh.dimension();
+  if (mesh.isAxisymmetric)
+    return feti::translationKernel(mesh.numberOfNodes() * components, components, 1);
+  std::vector<double> positions = mesh.coordinates;
+  for (std::size_t k = 0; k < positions.size(); ++k)
+    positions[k] += displacement[k];
+  return feti::rigidBodyKernel(positions, components);
+}
+
+} // namespace
+
+DeformedBodies::DeformedBodies(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                               const std::vector<scene::OwnedSubdomain>& atRest)
+    : comm_(comm), scene_(scene), atRest_(atRest) {
+  agree(comm, [&] {
+    for (const scene::OwnedSubdomain& item : atRest)
+      springs_.push_back(springsOf(scene, item));
+  });
+}
+
+DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displacement) const {
+  Forces result;
+  double energy = 0.0;
+  long long unsound = 0;
+  agree(comm_, [&] {
+    for (std::size_t i = 0; i < atRest_.size() && unsound == 0; ++i) {
+      const scene::OwnedSubdomain& item = atRest_[i];
+      const std::vector<double>& u = displacement[i];
+      fem::FiniteForces forces = fem::finiteForces(
+          *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]), u);
+      unsound += forces.leastJacobian > 0.0 && std::isfinite(forces.energy) ? 0 : 1;
+      energy += forces.energy;
+      if (springs_[i]) {
+        std::vector<double> pulls(u.size());
+        springs_[i]->multiply(u.data(), pulls.data());
+        for (std::size_t k = 0; k < u.size(); ++k) {
+          forces.internal[k] += pulls[k];
+          energy += 0.5 * pulls[k] * u[k];
+        }
+      }
+      result.internal.push_back(std::move(forces.internal));
+    }
+  });
+  result.isSound = globalSum(comm_, unsound) == 0;
+  result.energy = globalSum(comm_, energy);
+  return result;
+}
+
+DeformedBodies::Tangent DeformedBodies::tangent(const feti::TornVector& displacement) const {
+  Tangent result;
+  agree(comm_, [&] {
+    for (std::size_t i = 0; i < atRest_.size(); ++i) {
+      const scene::OwnedSubdomain& item = atRest_[i];
+      LocalMatrix matrix = fem::assembleMaterialTangent(
+          *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]),
+          displacement[i]);
+      feti::Kernel kernel = kernelOf(*item.mesh.mesh, displacement[i]);
+      if (springs_[i]) {
+        kernel = feti::keptKernel(kernel, *springs_[i]);
+        matrix = sum(matrix, *springs_[i]);
+      }
+      result.matrices.push_back(std::make_shared<LocalMatrix>(std::move(matrix)));
+      result.kernels.push_back(std::make_shared<feti::Kernel>(std::move(kernel)));
+    }
+  });
+  return result;
+}
+
+double DeformedBodies::joinCopies(feti::TornVector& displacement) const {
+  struct Copies {
+    std::array<double, 3> sum;
+    double count;
+  };
+  const auto components = static_cast<std::size_t>(scene_.components());
+  const auto visit = [&](const auto& take) {
+    for (std::size_t i = 0; i < atRest_.size(); ++i) {
+      const fem::PlacedMesh& placed = atRest_[i].mesh;
+      for (std::size_t b = 0; b < placed.boundaryNumbers.size(); ++b)
+        take(placed.boundaryNumbers[b],
+             displacement[i].data() + static_cast<std::size_t>(placed.mesh->boundary[b]) * components);
+    }
+  };
+  std::vector<std::pair<long long, Copies>> known;
+  std::vector<long long> asked;
+  visit([&](long long number, const double* values) {
+    Copies copy = {{}, 1.0};
+    std::copy_n(values, components, copy.sum.begin());
+    known.emplace_back(number, copy);
+    asked.push_back(number);
+  });
+  const auto means = lookUpMerged(comm_, known, asked, [](Copies& present, const Copies& next) {
+    for (std::size_t d = 0; d < 3; ++d)
+      present.sum[d] += next.sum[d];
+    present.count += next.count;
+  });
+  double largest = 0.0;
+  std::size_t place = 0;
+  visit([&](long long, double* values) {
+    const Copies& copies = *means[place++];
+    for (std::size_t d = 0; d < components && copies.count > 1.0; ++d) {
+      const double mean = copies.sum[d] / copies.count;
+      largest = std::max(largest, std::abs(values[d] - mean));
+      values[d] = mean;
+    }
+  });
+  return globalMax(comm_, largest);
+}
+
+std::vector<double> DeformedBodies::products(const std::vector<ConstraintRow>& rows,
+                                             const feti::TornVector& displacement) const {
+  const auto components = static_cast<std::size_t>(scene_.components());
+  const auto isAsked = [](const ConstraintRow& row) { return row.kind != ConstraintRow::Kind::Inequality; };
+  std::vector<double> result(rows.size(), 0.0);
+  std::vector<long long> asked;
+  for (const ConstraintRow& row : rows)
+    for (const ConstraintRow::Term& term : row.terms)
+      if (isAsked(row))
+        asked.push_back(term.dof);
+  if (globalMax(comm_, static_cast<long long>(asked.size())) == 0)
+    return result;
+  std::vector<std::pair<long long, double>> known;
+  for (std::size_t i = 0; i < atRest_.size(); ++i) {
+    const fem::PlacedMesh& placed = atRest_[i].mesh;
+    for (std::size_t b = 0; b < placed.boundaryNumbers.size(); ++b)
+      for (std::size_t c = 0; c < components; ++c)
+        known.emplace_back(
+            placed.boundaryNumbers[b] * static_cast<long long>(components) + static_cast<long long>(c),
+            displacement[i][static_cast<std::size_t>(placed.mesh->boundary[b]) * components + c]);
+  }
+  const std::vector<std::optional<double>> values = lookUp(comm_, known, asked);
+  std::size_t next = 0;
+  for (std::size_t k = 0; k < rows.size(); ++k)
+    for (const ConstraintRow::Term& term : rows[k].terms)
+      if (isAsked(rows[k]))
+        result[k] += term.coefficient * values[next++].value_or(0.0);
+  return result;
+}
+
+} // namespace Harmos::run

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_ConstraintRow.hpp"
+#include "Harmos_LocalMatrix.hpp"
+#include "Harmos_Scene.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace Harmos::run {
+
+/// The elastic bodies of a scene at finite displacements: what they answer, with the springs that effects add
+/// to them. Displacements are of all nodes of this rank's subdomains, dof = node · components + component.
+///
+/// Members are collective. Guarded by tests/unit/run/test_finite_displacements.cpp.
+class DeformedBodies {
+ public:
+  /// All of these have to outlive it.
+  DeformedBodies(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                 const std::vector<scene::OwnedSubdomain>& atRest);
+
+  struct Forces {
+    feti::TornVector internal; ///< of each subdomain
+    double energy = 0.0;       ///< stored, of all ranks
+    bool isSound = true;       ///< no cell is turned inside out, on any rank; else nothing else is of use
+  };
+  /// @throws NumericalError on all ranks for cells that are inverted at rest.
+  Forces forces(const feti::TornVector& displacement) const;
+
+  /// What a Newton iteration takes for the derivative of forces, with its kernel.
+  struct Tangent {
+    std::vector<std::shared_ptr<const LocalMatrix>> matrices;
+    std::vector<std::shared_ptr<const feti::Kernel>> kernels;
+  };
+  /// The material part, see fem::assembleMaterialTangent(), of sound displacements.
+  Tangent tangent(const feti::TornVector& displacement) const;
+
+  /// Gives copies of a node their mean. @return the largest change of a component, of all ranks.
+  double joinCopies(feti::TornVector& displacement) const;
+
+  /// Bu of this rank's rows of friction, ties and equations, of joined copies; zero of inequalities.
+  std::vector<double> products(const std::vector<ConstraintRow>& rows,
+                               const feti::TornVector& displacement) const;
+
+ private:
+  const Teuchos::Comm<int>& comm_;
+  const scene::Scene& scene_;
+  const std::vector<scene::OwnedSubdomain>& atRest_;
+  std::vector<std::shared_ptr<const LocalMatrix>> springs_; // of each subdomain; null: none
+};
+
+} // namespace Harmos::run

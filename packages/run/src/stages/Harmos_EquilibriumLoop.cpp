@@ -1,0 +1,342 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_EquilibriumLoop.hpp"
+
+#include "Harmos_Exchange.hpp"
+#include "Harmos_MovedSubdomains.hpp"
+#include "Harmos_MovingBounds.hpp"
+#include "Harmos_Recovery.hpp"
+#include "Harmos_TornArchive.hpp"
+
+#include <Tpetra_MultiVector.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace Harmos::run {
+namespace {
+
+constexpr int mostIterations = 60;
+
+// a + factor · b.
+feti::TornVector sum(const feti::TornVector& a, double factor, const feti::TornVector& b) {
+  feti::TornVector result = a;
+  for (std::size_t i = 0; i < a.size(); ++i)
+    for (std::size_t k = 0; k < a[i].size(); ++k)
+      result[i][k] += factor * b[i][k];
+  return result;
+}
+
+double largestOf(const Teuchos::Comm<int>& comm, const feti::TornVector& values) {
+  double largest = 0.0;
+  for (const std::vector<double>& part : values)
+    for (const double value : part)
+      largest = std::max(largest, std::abs(value));
+  return globalMax(comm, largest);
+}
+
+// Of a solve within an iteration: what is kept is where the next one begins, not where the solver is.
+class WatchedIteration : public feti::DualMonitor {
+ public:
+  WatchedIteration(RunMonitor& monitor, bool& isSaveDue) : monitor_(monitor), isSaveDue_(isSaveDue) {}
+
+  void begins(const feti::DualRun& run) override { monitor_.begins(run); }
+  void recorded(const qp::IterationRecord& record) override { monitor_.recorded(record); }
+  Wish ask(const qp::IterationState<MultiVector>& state) override {
+    const Wish wish = monitor_.ask(state);
+    isSaveDue_ = isSaveDue_ || wish == Wish::Save;
+    return wish == Wish::Save ? Wish::GoOn : wish;
+  }
+  void save(const Exchange&) override {}
+  bool hasState() const override { return false; }
+  bool holds(const std::string&) const override { return false; }
+  void restore(const Exchange&) override {}
+
+ private:
+  RunMonitor& monitor_;
+  bool& isSaveDue_;
+};
+
+} // namespace
+
+EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
+    : context_(context),
+      run_(run),
+      bodies_(*context.comm, context.scene, run.owned()),
+      mixing_(*context.comm, weights_),
+      committed_{run.pipeline().system().zeroVector(), CarriedForces(context.scene)},
+      trial_(committed_) {
+  for (int i = 0; i < run.pipeline().system().size(); ++i)
+    weights_.push_back(run.pipeline().system().diagonal(i));
+}
+
+void EquilibriumLoop::begin() {
+  trial_ = committed_;
+  mixing_.restart();
+  progress_ = {};
+  iterations_ = 0;
+  isSaveDue_ = false;
+  failure_.clear();
+}
+
+void EquilibriumLoop::commit() {
+  committed_ = trial_;
+}
+
+// Rows of how displacements change from here.
+scene::ContactSetup EquilibriumLoop::contactAt(double time, const feti::TornVector& displacement) const {
+  scene::EffectCosts costs(context_.scene); // those of the set-up are told
+  scene::ContactSetup contact = scene::setUpMovedContact(*context_.comm, context_.scene, run_.owned(),
+                                                         scene::moved(run_.owned(), displacement), costs);
+  MovingBounds(context_.scene, contact).move(contact.rows, time);
+  const std::vector<double> now = bodies_.products(contact.rows, displacement),
+                            begun = bodies_.products(contact.rows, committed_.displacement);
+  for (std::size_t k = 0; k < contact.rows.size(); ++k) {
+    ConstraintRow& row = contact.rows[k];
+    if (row.kind == ConstraintRow::Kind::Equality)
+      row.bound -= now[k];
+    else if (row.kind == ConstraintRow::Kind::Limited) // slip since the step began
+      row.bound -= now[k] - begun[k];
+  }
+  return contact;
+}
+
+void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
+  const feti::SubdomainSystem& system = run_.pipeline().system();
+  RunStages::Iterate iterate;
+  iterate.time = time;
+  iterate.prescribed = run_.loads().prescribed(time);
+  {
+    const auto scope = context_.timers.scope("assembly");
+    iterate.tangent = bodies_.tangent(trial_.displacement);
+    for (std::size_t i = 0; i < internal.size(); ++i) {
+      auto load = std::make_shared<std::vector<double>>(*loads_[i]);
+      for (std::size_t k = 0; k < load->size(); ++k)
+        (*load)[k] -= internal[i][k];
+      iterate.loads.push_back(load);
+      const std::vector<feti::FixedDof>& fixed = system.subdomain(static_cast<int>(i)).fixed;
+      for (std::size_t k = 0; k < fixed.size(); ++k)
+        iterate.prescribed[i][k] -= trial_.displacement[i][static_cast<std::size_t>(fixed[k].dof)];
+    }
+  }
+  {
+    const auto scope = context_.timers.scope("dual_operator");
+    iterate.contact = contactAt(time, trial_.displacement);
+  }
+  run_.prepare(std::move(iterate));
+}
+
+EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonitor& monitor,
+                                                       feti::TornSolution& change) {
+  const feti::DualStages stages = run_.pipeline().stages();
+  feti::SolverOptions options = solverOptions(context_.scene, context_.options);
+  options.progressFrequency = 0;
+  std::optional<feti::WarmStart> start;
+  if (!trial_.forces.isEmpty())
+    start = feti::WarmStart{trial_.forces.on(*stages.constraints, run_.contact()), {}};
+  const qp::Result before = context_.report.result;
+  feti::DualSolution solution;
+  static_cast<feti::SolveReport&>(context_.report) = {};
+  {
+    const auto scope = context_.timers.scope("solve");
+    solution = feti::solveDualProblem(stages, options, start ? &*start : nullptr, {}, log, context_.report,
+                                      Teuchos::rcp(new WatchedIteration(monitor, isSaveDue_)));
+  }
+  run_.pipeline().rethrowFailures();
+  monitor.goesOnAfter(context_.report.result.lastRecord());
+  if (iterations_ > 1)
+    context_.report.result.goesOnAfter(before);
+  if (context_.report.isInterrupted())
+    return Outcome::Interrupted;
+  if (!context_.report.converged) {
+    failure_ =
+        context_.report.reason + (solution.isEscaping ? "; unconstrained rigid-body mode under load" : "");
+    return Outcome::Failed;
+  }
+  const auto scope = context_.timers.scope("recovery");
+  change = feti::recover(*stages.system, *stages.constraints, *stages.inverses, *stages.coarse,
+                         *stages.problem, *solution.lambda, solution.mu);
+  trial_.forces.keep(*stages.constraints, run_.contact(), *change.multiplier);
+  return Outcome::Converged;
+}
+
+// ‖du‖_K̂.
+double EquilibriumLoop::meritOf(const feti::TornVector& change) const {
+  double square = 0.0;
+  std::vector<double> image;
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    image.resize(change[i].size());
+    run_.pipeline()
+        .system()
+        .subdomain(static_cast<int>(i))
+        .stiffness->multiply(change[i].data(), image.data());
+    for (std::size_t k = 0; k < image.size(); ++k)
+      square += image[k] * change[i][k];
+  }
+  return std::sqrt(std::max(0.0, globalSum(*context_.comm, square)));
+}
+
+// u + s du, s = 1 or as much of it as leaves all cells as they should be. @return whether s = 1.
+bool EquilibriumLoop::advance(const feti::TornSolution& change, feti::TornVector& answer,
+                              DeformedBodies::Forces& forces) {
+  constexpr double least = 1e-3;
+  for (double share = 1.0; share > least; share *= 0.5) {
+    answer = sum(trial_.displacement, share, change.displacement);
+    jump_ = bodies_.joinCopies(answer);
+    forces = bodies_.forces(answer);
+    if (forces.isSound)
+      return share == 1.0;
+  }
+  failure_ = "cells turn inside out";
+  return false;
+}
+
+bool EquilibriumLoop::isStuck(double merit) {
+  constexpr int patience = 15;
+  constexpr double less = 0.9;
+  if (iterations_ == 1 || merit < less * progress_.least) {
+    progress_.least = merit;
+    progress_.sinceLeast = 0;
+  } else {
+    ++progress_.sinceLeast;
+  }
+  const bool isStuck =
+      progress_.sinceLeast > patience || iterations_ >= mostIterations || !std::isfinite(merit);
+  if (isStuck)
+    failure_ = "Newton's iterations do not converge: the last of " + std::to_string(iterations_) +
+               " changes displacements by " + scientific(merit / progress_.scale, 1) + " in the energy norm";
+  return isStuck;
+}
+
+EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, RunMonitor& monitor,
+                                                const std::function<void()>& save) {
+  loads_ = run_.loads().loads(time);
+  DeformedBodies::Forces forces = bodies_.forces(trial_.displacement);
+  while (true) {
+    ++iterations_;
+    pose(time, forces.internal);
+    feti::TornSolution change;
+    if (const Outcome outcome = solveProblem(log, monitor, change); outcome != Outcome::Converged) {
+      --iterations_;
+      return outcome;
+    }
+    feti::TornVector answer;
+    const bool isWhole = advance(change, answer, forces);
+    if (!failure_.empty())
+      return Outcome::Failed;
+    const double merit = meritOf(change.displacement);
+    progress_.scale =
+        std::max({progress_.scale, std::sqrt(2.0 * forces.energy), iterations_ == 1 ? merit : 0.0});
+    tell(merit);
+    if (isWhole && merit <= context_.options.tolerance * progress_.scale) {
+      trial_.displacement = answer;
+      run_.take({change, answer, loads_, audit(time, forces, change)});
+      return Outcome::Converged;
+    }
+    if (isStuck(merit))
+      return Outcome::Failed;
+    moveOn(answer, isWhole, forces);
+    if (isSaveDue_)
+      save();
+    isSaveDue_ = false;
+  }
+}
+
+void EquilibriumLoop::tell(double merit) const {
+  const double share = progress_.scale > 0.0 ? merit / progress_.scale : 0.0;
+  context_.log.info("  Newton iteration " + std::to_string(iterations_) + ": change " + scientific(share, 1) +
+                    ", " + std::to_string(context_.report.result.counters.hessianApplications) +
+                    " applications of F" +
+                    (context_.report.inequalities > 0
+                         ? ", " + std::to_string(context_.report.inequalities) + " contact points"
+                         : ""));
+}
+
+void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWithinStep) {
+  TornArchive torn(archive, run_.pipeline().system());
+  const feti::Constraints& constraints = *run_.pipeline().constraints();
+  torn.exchange("displacement", committed_.displacement);
+  committed_.forces.exchange(archive, "forces", constraints);
+  if (!isWithinStep)
+    return;
+  torn.exchange("displacement of the iteration", trial_.displacement);
+  trial_.forces.exchange(archive, "forces of the iteration", constraints);
+  archive.number("Newton iterations", iterations_);
+  archive.number("scale of the merit", progress_.scale);
+  archive.number("least merit", progress_.least);
+  archive.number("iterations since the least merit", progress_.sinceLeast);
+  std::size_t entries = mixing_.size();
+  archive.number("iterates mixed", entries);
+  int place = 0;
+  mixing_.visit(entries,
+                [&](feti::TornVector& values) { torn.exchange("mixed " + std::to_string(place++), values); });
+  qp::exchangeResult(archive, "Newton ", context_.report.result);
+}
+
+// To where the next iteration begins.
+void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces) {
+  const feti::TornVector change = sum(answer, -1.0, trial_.displacement);
+  trial_.displacement = answer;
+  if (!isWhole) {
+    mixing_.restart();
+    return;
+  }
+  const feti::TornVector mixed = mixing_.next(answer, change);
+  DeformedBodies::Forces ofMixed = bodies_.forces(mixed);
+  if (!ofMixed.isSound)
+    return;
+  trial_.displacement = mixed;
+  forces = std::move(ofMixed);
+}
+
+feti::KktAudit EquilibriumLoop::audit(double time, const DeformedBodies::Forces& forces,
+                                      const feti::TornSolution& change) {
+  const Teuchos::Comm<int>& comm = *context_.comm;
+  const feti::SubdomainSystem& system = run_.pipeline().system();
+  feti::KktAudit result = feti::audit(system, *run_.pipeline().constraints(), change);
+  const scene::ContactSetup contact = contactAt(time, trial_.displacement);
+  const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
+  const Teuchos::RCP<const MultiVector> multiplier = trial_.forces.on(*constraints, contact);
+  const std::vector<double> overlap = constraints->toOverlap(*multiplier);
+  std::vector<double> sums(5, 0.0); // squares: out of balance, loads, internal, of rows; work of loads
+  std::vector<double> ofRows;
+  for (std::size_t i = 0; i < loads_.size(); ++i) {
+    ofRows.assign(loads_[i]->size(), 0.0);
+    constraints->addBt(static_cast<int>(i), overlap.data(), ofRows.data());
+    std::vector<char> isFixed(ofRows.size(), 0);
+    for (const feti::FixedDof& fixed : system.subdomain(static_cast<int>(i)).fixed)
+      isFixed[static_cast<std::size_t>(fixed.dof)] = 1;
+    for (std::size_t k = 0; k < ofRows.size(); ++k) {
+      const double load = (*loads_[i])[k], internal = forces.internal[i][k];
+      sums[4] += load * trial_.displacement[i][k];
+      if (isFixed[k] != 0)
+        continue;
+      sums[0] += std::pow(load - internal - ofRows[k], 2);
+      sums[1] += load * load;
+      sums[2] += internal * internal;
+      sums[3] += ofRows[k] * ofRows[k];
+    }
+  }
+  globalSum(comm, sums);
+  const double largest = std::max({sums[1], sums[2], sums[3]});
+  result.equilibrium = largest > 0.0 ? std::sqrt(sums[0] / largest) : 0.0;
+  result.forces = std::sqrt(largest);
+  const std::vector<double> multipliers = constraints->givenMultipliers(*multiplier);
+  double penetration = 0.0, product = 0.0;
+  for (std::size_t k = 0; k < contact.rows.size(); ++k)
+    if (const ConstraintRow& row = contact.rows[k]; row.kind == ConstraintRow::Kind::Inequality) {
+      const double gap = row.bound + row.compliance * multipliers[k];
+      penetration = std::max(penetration, -gap);
+      product += multipliers[k] * gap;
+    }
+  result.penetration = globalMax(comm, penetration);
+  result.complementarity = std::abs(globalSum(comm, product));
+  result.gluingJump = jump_;
+  result.largestDisplacement = largestOf(comm, trial_.displacement);
+  result.energyNorm = std::sqrt(2.0 * forces.energy);
+  const double ofConstraints = result.energy - result.primalEnergy;
+  result.primalEnergy = forces.energy - sums[4];
+  result.energy = result.primalEnergy + ofConstraints;
+  return result;
+}
+
+} // namespace Harmos::run

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_AndersonMixing.hpp"
+#include "Harmos_CarriedForces.hpp"
+#include "Harmos_DeformedBodies.hpp"
+#include "Harmos_RunStages.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace Harmos::run {
+
+/// Equilibrium of bodies at finite displacements: Newton's iterations of a step, a sequence of quadratic
+/// programs
+///
+///     du = argmin ½duᵀK̂du − (f − f_int(u))ᵀdu  over  B(u)du ≤ gap(u),   u ← u + du,
+///
+/// with contacts searched anew on the deformed bodies in each. Forces f_int and gaps are exact, the tangent K̂
+/// is the material part (DeformedBodies), whose kernel is that of rigid motions of the deformed body:
+/// Anderson's acceleration makes up for what is missing in it, the stiffness by stresses and by turning
+/// normals.
+///
+/// The merit is ‖du‖_K̂, by which a body would still move (the natural level function: Deuflhard, Newton
+/// Methods for Nonlinear Problems, 2004, section 3.3). The step has converged where it is below the
+/// tolerance, as a share of the strains' √(2W); then the equilibrium is audited: f − f_int(u) − B(u)ᵀλ and
+/// gaps, with rows made once more. It has failed where the merit does not come down, or cells turn inside
+/// out.
+///
+/// All members are collective. Guarded by tests/unit/run/test_finite_displacements.cpp.
+class EquilibriumLoop {
+ public:
+  /// @param run set up; both to outlive it.
+  EquilibriumLoop(const RunContext& context, RunStages& run);
+
+  /// A step begins, for the first time or again, from what was committed.
+  void begin();
+  enum class Outcome { Converged, Failed, Interrupted };
+  /// Iterates to equilibrium at a time. @param log of the solver. @param monitor of the solves. @param save
+  /// keeps the state between two iterations, when the monitor asks for it. @return of what failed, failure()
+  /// says why; what was interrupted is where it was before its last iteration. @throws what RunStages does.
+  Outcome solve(double time, const Log& log, RunMonitor& monitor, const std::function<void()>& save);
+  void commit();
+  /// For checkpoints. @param isWithinStep or after one that was committed.
+  void exchange(qp::StateArchive<MultiVector>& archive, bool isWithinStep);
+
+  const std::string& failure() const { return failure_; }
+  /// Of the step so far.
+  int iterations() const { return iterations_; }
+
+ private:
+  using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
+  // What u is in, or was.
+  struct State {
+    feti::TornVector displacement;
+    CarriedForces forces;
+  };
+  // How the merit came down.
+  struct Progress {
+    double scale = 0.0, least = 0.0;
+    int sinceLeast = 0;
+  };
+  scene::ContactSetup contactAt(double time, const feti::TornVector& displacement) const;
+  void pose(double time, const feti::TornVector& internal);
+  Outcome solveProblem(const Log& log, RunMonitor& monitor, feti::TornSolution& change);
+  bool advance(const feti::TornSolution& change, feti::TornVector& answer, DeformedBodies::Forces& forces);
+  double meritOf(const feti::TornVector& change) const;
+  bool isStuck(double merit);
+  void tell(double merit) const;
+  void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);
+  feti::KktAudit audit(double time, const DeformedBodies::Forces& forces, const feti::TornSolution& change);
+
+  RunContext context_;
+  RunStages& run_;
+  DeformedBodies bodies_;
+  feti::TornVector weights_; // of the norm by which changes are mixed
+  AndersonMixing mixing_;
+  State committed_, trial_;
+  Loads loads_;
+  Progress progress_;
+  double jump_ = 0.0; // of copies, that the last solution left
+  int iterations_ = 0;
+  bool isSaveDue_ = false;
+  std::string failure_;
+};
+
+} // namespace Harmos::run
