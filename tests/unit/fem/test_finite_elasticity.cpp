@@ -215,7 +215,7 @@ TEST(FiniteElasticity, tangent_at_rest) {
     SCOPED_TRACE(c.name());
     const fem::Mesh mesh = meshOf(c.type, c.isAxisymmetric());
     const std::vector<double> rest(static_cast<std::size_t>(mesh.numberOfNodes() * mesh.dimension()), 0.0);
-    const LocalMatrix tangent = fem::assembleMaterialTangent(mesh, c.elasticity(), rest),
+    const LocalMatrix tangent = fem::assembleStrainTangent(mesh, c.elasticity(), rest),
                       stiffness = fem::assembleElasticity(mesh, c.elasticity());
     ASSERT_EQ(tangent.columns, stiffness.columns);
     const double roundoff = 1e-13 * stiffness.maxNorm(); // of sums of some dozens of products
@@ -231,7 +231,7 @@ TEST(FiniteElasticity, tangent_of_a_deformed_body) {
     SCOPED_TRACE(c.name());
     const fem::Mesh mesh = meshOf(c.type, c.isAxisymmetric());
     const std::vector<double> u = nodal(mesh, large);
-    const LocalMatrix tangent = fem::assembleMaterialTangent(mesh, c.elasticity(), u);
+    const LocalMatrix tangent = fem::assembleStrainTangent(mesh, c.elasticity(), u);
     std::vector<double> image(u.size());
     const auto atDeformed = [&](const std::function<Point(const Point&)>& field) {
       std::vector<double> values;
@@ -282,7 +282,7 @@ TEST(FiniteElasticity, tangent_of_a_turned_body) {
     }
     const std::vector<double> above = fem::finiteForces(mesh, c.elasticity(), more).internal,
                               below = fem::finiteForces(mesh, c.elasticity(), less).internal;
-    fem::assembleMaterialTangent(mesh, c.elasticity(), turned).multiply(direction.data(), image.data());
+    fem::assembleStrainTangent(mesh, c.elasticity(), turned).multiply(direction.data(), image.data());
     for (std::size_t k = 0; k < image.size(); ++k)
       ASSERT_NEAR(image[k], (above[k] - below[k]) / (2.0 * h), 1e-7 * largest(image));
   }

@@ -111,6 +111,66 @@ ElasticResponse ElasticLaw::neoHookean(const Voigt& given) const {
   return response;
 }
 
+namespace {
+
+Tensor product(const Tensor& a, const Tensor& b) {
+  Tensor c{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < 3; ++j)
+        c[i][j] += a[i][k] * b[k][j];
+  return c;
+}
+
+// Cholesky, of rows that are not zero.
+bool isPositiveDefinite(VoigtMatrix c) {
+  constexpr double least = 1e-6;
+  for (std::size_t j = 0; j < 6; ++j) {
+    const double whole = c[j][j];
+    if (whole == 0.0)
+      continue;
+    for (std::size_t k = 0; k < j; ++k)
+      c[j][j] -= c[j][k] * c[j][k];
+    if (!(c[j][j] > least * whole))
+      return false;
+    c[j][j] = std::sqrt(c[j][j]);
+    for (std::size_t i = j + 1; i < 6; ++i) {
+      for (std::size_t k = 0; k < j; ++k)
+        c[i][j] -= c[i][k] * c[j][k];
+      c[i][j] /= c[j][j];
+    }
+  }
+  return true;
+}
+
+} // namespace
+
+VoigtMatrix strainTangent(const ElasticResponse& response, const Voigt& strain, Kinematics kinematics) {
+  const Tensor c = rightCauchyGreen(strain);
+  const Tensor inverse = inverseTransposed(c, determinant(c));
+  Tensor stress{};
+  for (std::size_t r = 0; r < 6; ++r)
+    stress[voigtPairs[r][0]][voigtPairs[r][1]] = stress[voigtPairs[r][1]][voigtPairs[r][0]] =
+        response.stress[r];
+  std::array<Tensor, 6> basis{}, turned;
+  for (std::size_t r = 0; r < 6; ++r) {
+    const auto [i, j] = voigtPairs[r];
+    basis[r][i][j] = basis[r][j][i] = r < 3 ? 1.0 : 0.5;
+    turned[r] = product(stress, product(basis[r], inverse)); // S B C⁻¹
+  }
+  VoigtMatrix result = response.tangent;
+  const bool isPlaneStress = kinematics == Kinematics::PlaneStress;
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t s = 0; s < 6; ++s) {
+      if (isPlaneStress && (r == 2 || s == 2 || r > 3 || s > 3))
+        continue;
+      for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+          result[r][s] += 0.5 * (basis[r][i][k] * turned[s][k][i] + basis[s][i][k] * turned[r][k][i]);
+    }
+  return isPositiveDefinite(result) ? result : response.tangent;
+}
+
 std::vector<ElasticLaw> elasticLaws(const Elasticity& elasticity) {
   std::vector<ElasticLaw> laws;
   for (const Material& material : elasticity.materials)

@@ -45,6 +45,15 @@ class ElasticLaw {
   double lambda_, shear_; // Lamé's, of neo-Hookean materials
 };
 
+/// What a Newton iteration takes for the tangent that has the rigid motions of the deformed body as its
+/// kernel: with δu = d + w, the symmetric and the other part of its gradient in the deformed body, that part
+/// of the second variation of the energy that is of d alone,
+///
+///     δE:∂S/∂E:δE + tr(dτd) = δE:(∂S/∂E + H):δE,   δE:H:δE = tr(δE S δE C⁻¹),
+///
+/// where it is positive definite; else ∂S/∂E. @param strain that the response is to.
+VoigtMatrix strainTangent(const ElasticResponse& response, const Voigt& strain, Kinematics kinematics);
+
 /// Of each region.
 std::vector<ElasticLaw> elasticLaws(const Elasticity& elasticity);
 /// @throws InternalError if the region has no material.

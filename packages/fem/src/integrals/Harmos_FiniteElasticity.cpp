@@ -82,8 +82,8 @@ void addProduct(const FiniteStrain& strain, int q, double weight, const VoigtMat
 
 } // namespace
 
-LocalMatrix assembleMaterialTangent(const Mesh& mesh, const Elasticity& elasticity,
-                                    const std::vector<double>& displacement) {
+LocalMatrix assembleStrainTangent(const Mesh& mesh, const Elasticity& elasticity,
+                                  const std::vector<double>& displacement) {
   BlockAssembler assembler(mesh, mesh.dimension());
   std::vector<double> k, stress;
   visitCells(mesh, elasticity, displacement,
@@ -92,7 +92,9 @@ LocalMatrix assembleMaterialTangent(const Mesh& mesh, const Elasticity& elastici
                k.assign(strain.dofs() * strain.dofs(), 0.0);
                stress.resize(strain.rows() * strain.dofs());
                for (int q = 0; q < cell.points(); ++q)
-                 addProduct(strain, q, cell.measure(q), law.at(strain.strain(q)).tangent, stress, k);
+                 addProduct(strain, q, cell.measure(q),
+                            strainTangent(law.at(strain.strain(q)), strain.strain(q), elasticity.kinematics),
+                            stress, k);
                assembler.add(c, k);
                return true;
              });

@@ -21,12 +21,12 @@ struct FiniteForces {
 FiniteForces finiteForces(const Mesh& mesh, const Elasticity& elasticity,
                           const std::vector<double>& displacement);
 
-/// The material part of the tangent, ∫B(u)ᵀ ∂S/∂E B(u): symmetric, positive semidefinite as far as ∂S/∂E is,
-/// its kernel the rigid motions of the deformed mesh (FiniteStrain); graph as of assembleElasticity(), and at
-/// u = 0 the same. What stresses do to turning cells (the geometric part) is not in it.
+/// The tangent as far as strains alone feel it, ∫B(u)ᵀDB(u), D of strainTangent(): symmetric, positive
+/// semidefinite as far as ∂S/∂E is, its kernel the rigid motions of the deformed mesh (FiniteStrain); graph
+/// as of assembleElasticity(), and without stress the same. What stresses do to turning cells is not in it.
 /// @throws InternalError where a cell is turned inside out. Local.
 /// Guarded by tests/unit/fem/test_finite_elasticity.cpp.
-LocalMatrix assembleMaterialTangent(const Mesh& mesh, const Elasticity& elasticity,
-                                    const std::vector<double>& displacement);
+LocalMatrix assembleStrainTangent(const Mesh& mesh, const Elasticity& elasticity,
+                                  const std::vector<double>& displacement);
 
 } // namespace Harmos::fem

@@ -81,7 +81,7 @@ DeformedBodies::Tangent DeformedBodies::tangent(const feti::TornVector& displace
   agree(comm_, [&] {
     for (std::size_t i = 0; i < atRest_.size(); ++i) {
       const scene::OwnedSubdomain& item = atRest_[i];
-      LocalMatrix matrix = fem::assembleMaterialTangent(
+      LocalMatrix matrix = fem::assembleStrainTangent(
           *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]),
           displacement[i]);
       feti::Kernel kernel = kernelOf(*item.mesh.mesh, displacement[i]);

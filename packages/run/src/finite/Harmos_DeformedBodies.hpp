@@ -35,7 +35,7 @@ class DeformedBodies {
     std::vector<std::shared_ptr<const LocalMatrix>> matrices;
     std::vector<std::shared_ptr<const feti::Kernel>> kernels;
   };
-  /// The material part, see fem::assembleMaterialTangent(), of sound displacements.
+  /// The material part, see fem::assembleStrainTangent(), of sound displacements.
   Tangent tangent(const feti::TornVector& displacement) const;
 
   /// Gives copies of a node their mean. @return the largest change of a component, of all ranks.

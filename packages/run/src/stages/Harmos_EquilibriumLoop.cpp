@@ -16,6 +16,10 @@ namespace Harmos::run {
 namespace {
 
 constexpr int mostIterations = 60;
+// Of the change that errors of a solve may be.
+constexpr double share = 0.01;
+// Of a solve: less is rounding errors.
+constexpr double leastTolerance = 1e-13, firstTolerance = 1e-2;
 
 // a + factor · b.
 feti::TornVector sum(const feti::TornVector& a, double factor, const feti::TornVector& b) {
@@ -63,7 +67,8 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
       run_(run),
       bodies_(*context.comm, context.scene, run.owned()),
       mixing_(*context.comm, weights_),
-      committed_{run.pipeline().system().zeroVector(), CarriedForces(context.scene)},
+      committed_{run.pipeline().system().zeroVector(), CarriedForces(context.scene),
+                 PointSlips(context.scene)},
       trial_(committed_) {
   for (int i = 0; i < run.pipeline().system().size(); ++i)
     weights_.push_back(run.pipeline().system().diagonal(i));
@@ -73,6 +78,8 @@ void EquilibriumLoop::begin() {
   trial_ = committed_;
   mixing_.restart();
   progress_ = {};
+  progress_.tolerance = firstTolerance;
+  static_cast<feti::SolveReport&>(context_.report) = {};
   iterations_ = 0;
   isSaveDue_ = false;
   failure_.clear();
@@ -121,41 +128,64 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
   {
     const auto scope = context_.timers.scope("dual_operator");
     iterate.contact = contactAt(time, trial_.displacement);
+    iterate.slipsBefore = committed_.slips.of(iterate.contact);
   }
   run_.prepare(std::move(iterate));
 }
 
-EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonitor& monitor,
-                                                       feti::TornSolution& change) {
-  const feti::DualStages stages = run_.pipeline().stages();
+// @param start or null.
+EquilibriumLoop::Outcome EquilibriumLoop::solveOnce(const feti::WarmStart* start, const Log& log,
+                                                    RunMonitor& monitor, feti::DualSolution& solution) {
   feti::SolverOptions options = solverOptions(context_.scene, context_.options);
   options.progressFrequency = 0;
-  std::optional<feti::WarmStart> start;
-  if (!trial_.forces.isEmpty())
-    start = feti::WarmStart{trial_.forces.on(*stages.constraints, run_.contact()), {}};
+  options.tolerance = progress_.tolerance;
   const qp::Result before = context_.report.result;
-  feti::DualSolution solution;
+  const bool goesOn = context_.report.solved;
   static_cast<feti::SolveReport&>(context_.report) = {};
   {
     const auto scope = context_.timers.scope("solve");
-    solution = feti::solveDualProblem(stages, options, start ? &*start : nullptr, {}, log, context_.report,
+    solution = feti::solveDualProblem(run_.pipeline().stages(), options, start, {}, log, context_.report,
                                       Teuchos::rcp(new WatchedIteration(monitor, isSaveDue_)));
   }
   run_.pipeline().rethrowFailures();
   monitor.goesOnAfter(context_.report.result.lastRecord());
-  if (iterations_ > 1)
+  if (goesOn)
     context_.report.result.goesOnAfter(before);
   if (context_.report.isInterrupted())
     return Outcome::Interrupted;
-  if (!context_.report.converged) {
-    failure_ =
-        context_.report.reason + (solution.isEscaping ? "; unconstrained rigid-body mode under load" : "");
-    return Outcome::Failed;
+  if (context_.report.converged)
+    return Outcome::Converged;
+  failure_ =
+      context_.report.reason + (solution.isEscaping ? "; unconstrained rigid-body mode under load" : "");
+  return Outcome::Failed;
+}
+
+// Solves until what joining copies does to the change is small beside it, or beside what is asked for.
+EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonitor& monitor, Change& change) {
+  const feti::DualStages stages = run_.pipeline().stages();
+  std::optional<feti::WarmStart> start;
+  if (!trial_.forces.isEmpty())
+    start = feti::WarmStart{trial_.forces.on(*stages.constraints, run_.contact()), {}};
+  while (true) {
+    feti::DualSolution solution;
+    if (const Outcome outcome = solveOnce(start ? &*start : nullptr, log, monitor, solution);
+        outcome != Outcome::Converged)
+      return outcome;
+    const auto scope = context_.timers.scope("recovery");
+    change.torn = feti::recover(*stages.system, *stages.constraints, *stages.inverses, *stages.coarse,
+                                *stages.problem, *solution.lambda, solution.mu);
+    change.joined = change.torn.displacement;
+    change.jump = bodies_.joinCopies(change.joined);
+    change.merit = meritOf(change.joined);
+    const double error = meritOf(sum(change.torn.displacement, -1.0, change.joined)),
+                 allowed = share * std::max(change.merit, context_.options.tolerance * progress_.scale);
+    if (error <= allowed || progress_.tolerance <= leastTolerance)
+      break;
+    progress_.tolerance =
+        std::max(leastTolerance, std::min(0.5, 0.5 * allowed / error) * progress_.tolerance);
+    start = feti::WarmStart{change.torn.multiplier, solution.mu};
   }
-  const auto scope = context_.timers.scope("recovery");
-  change = feti::recover(*stages.system, *stages.constraints, *stages.inverses, *stages.coarse,
-                         *stages.problem, *solution.lambda, solution.mu);
-  trial_.forces.keep(*stages.constraints, run_.contact(), *change.multiplier);
+  trial_.forces.keep(*stages.constraints, run_.contact(), *change.torn.multiplier);
   return Outcome::Converged;
 }
 
@@ -176,15 +206,14 @@ double EquilibriumLoop::meritOf(const feti::TornVector& change) const {
 }
 
 // u + s du, s = 1 or as much of it as leaves all cells as they should be. @return whether s = 1.
-bool EquilibriumLoop::advance(const feti::TornSolution& change, feti::TornVector& answer,
+bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer,
                               DeformedBodies::Forces& forces) {
   constexpr double least = 1e-3;
-  for (double share = 1.0; share > least; share *= 0.5) {
-    answer = sum(trial_.displacement, share, change.displacement);
-    jump_ = bodies_.joinCopies(answer);
+  for (double part = 1.0; part > least; part *= 0.5) {
+    answer = sum(trial_.displacement, part, change.joined);
     forces = bodies_.forces(answer);
     if (forces.isSound)
-      return share == 1.0;
+      return part == 1.0;
   }
   failure_ = "cells turn inside out";
   return false;
@@ -214,7 +243,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
   while (true) {
     ++iterations_;
     pose(time, forces.internal);
-    feti::TornSolution change;
+    Change change;
     if (const Outcome outcome = solveProblem(log, monitor, change); outcome != Outcome::Converged) {
       --iterations_;
       return outcome;
@@ -223,16 +252,16 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
     const bool isWhole = advance(change, answer, forces);
     if (!failure_.empty())
       return Outcome::Failed;
-    const double merit = meritOf(change.displacement);
     progress_.scale =
-        std::max({progress_.scale, std::sqrt(2.0 * forces.energy), iterations_ == 1 ? merit : 0.0});
-    tell(merit);
-    if (isWhole && merit <= context_.options.tolerance * progress_.scale) {
+        std::max({progress_.scale, std::sqrt(2.0 * forces.energy), iterations_ == 1 ? change.merit : 0.0});
+    tell(change.merit);
+    if (isWhole && change.merit <= context_.options.tolerance * progress_.scale) {
       trial_.displacement = answer;
-      run_.take({change, answer, loads_, audit(time, forces, change)});
+      run_.take({change.torn, answer, loads_, audit(time, forces, change)});
+      trial_.slips.keep(run_.contact(), context_.report.contact);
       return Outcome::Converged;
     }
-    if (isStuck(merit))
+    if (isStuck(change.merit))
       return Outcome::Failed;
     moveOn(answer, isWhole, forces);
     if (isSaveDue_)
@@ -256,11 +285,13 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   const feti::Constraints& constraints = *run_.pipeline().constraints();
   torn.exchange("displacement", committed_.displacement);
   committed_.forces.exchange(archive, "forces", constraints);
+  committed_.slips.exchange(*context_.comm, archive);
   if (!isWithinStep)
     return;
   torn.exchange("displacement of the iteration", trial_.displacement);
   trial_.forces.exchange(archive, "forces of the iteration", constraints);
   archive.number("Newton iterations", iterations_);
+  archive.number("tolerance of solves", progress_.tolerance);
   archive.number("scale of the merit", progress_.scale);
   archive.number("least merit", progress_.least);
   archive.number("iterations since the least merit", progress_.sinceLeast);
@@ -269,6 +300,7 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   int place = 0;
   mixing_.visit(entries,
                 [&](feti::TornVector& values) { torn.exchange("mixed " + std::to_string(place++), values); });
+  archive.number("Newton solved", context_.report.solved);
   qp::exchangeResult(archive, "Newton ", context_.report.result);
 }
 
@@ -289,10 +321,10 @@ void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, Defor
 }
 
 feti::KktAudit EquilibriumLoop::audit(double time, const DeformedBodies::Forces& forces,
-                                      const feti::TornSolution& change) {
+                                      const Change& change) {
   const Teuchos::Comm<int>& comm = *context_.comm;
   const feti::SubdomainSystem& system = run_.pipeline().system();
-  feti::KktAudit result = feti::audit(system, *run_.pipeline().constraints(), change);
+  feti::KktAudit result = feti::audit(system, *run_.pipeline().constraints(), change.torn);
   const scene::ContactSetup contact = contactAt(time, trial_.displacement);
   const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
   const Teuchos::RCP<const MultiVector> multiplier = trial_.forces.on(*constraints, contact);
@@ -330,7 +362,7 @@ feti::KktAudit EquilibriumLoop::audit(double time, const DeformedBodies::Forces&
     }
   result.penetration = globalMax(comm, penetration);
   result.complementarity = std::abs(globalSum(comm, product));
-  result.gluingJump = jump_;
+  result.gluingJump = change.jump;
   result.largestDisplacement = largestOf(comm, trial_.displacement);
   result.energyNorm = std::sqrt(2.0 * forces.energy);
   const double ofConstraints = result.energy - result.primalEnergy;

@@ -4,6 +4,7 @@
 #include "Harmos_AndersonMixing.hpp"
 #include "Harmos_CarriedForces.hpp"
 #include "Harmos_DeformedBodies.hpp"
+#include "Harmos_PointSlips.hpp"
 #include "Harmos_RunStages.hpp"
 
 #include <functional>
@@ -55,21 +56,31 @@ class EquilibriumLoop {
   struct State {
     feti::TornVector displacement;
     CarriedForces forces;
+    PointSlips slips; // since the run began
   };
   // How the merit came down.
   struct Progress {
+    double tolerance = 0.0; // of solves
     double scale = 0.0, least = 0.0;
     int sinceLeast = 0;
   };
+  // What a quadratic program says: du, and with equal copies; ‖du‖_K̂.
+  struct Change {
+    feti::TornSolution torn;
+    feti::TornVector joined;
+    double jump = 0.0, merit = 0.0; // jump: the largest that was joined
+  };
   scene::ContactSetup contactAt(double time, const feti::TornVector& displacement) const;
   void pose(double time, const feti::TornVector& internal);
-  Outcome solveProblem(const Log& log, RunMonitor& monitor, feti::TornSolution& change);
-  bool advance(const feti::TornSolution& change, feti::TornVector& answer, DeformedBodies::Forces& forces);
+  Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);
+  Outcome solveOnce(const feti::WarmStart* start, const Log& log, RunMonitor& monitor,
+                    feti::DualSolution& solution);
+  bool advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces);
   double meritOf(const feti::TornVector& change) const;
   bool isStuck(double merit);
   void tell(double merit) const;
   void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);
-  feti::KktAudit audit(double time, const DeformedBodies::Forces& forces, const feti::TornSolution& change);
+  feti::KktAudit audit(double time, const DeformedBodies::Forces& forces, const Change& change);
 
   RunContext context_;
   RunStages& run_;
@@ -79,7 +90,6 @@ class EquilibriumLoop {
   State committed_, trial_;
   Loads loads_;
   Progress progress_;
-  double jump_ = 0.0; // of copies, that the last solution left
   int iterations_ = 0;
   bool isSaveDue_ = false;
   std::string failure_;

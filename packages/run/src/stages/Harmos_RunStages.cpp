@@ -508,6 +508,7 @@ void RunStages::tellForces(const feti::TornSolution& solution,
 
 void RunStages::prepare(Iterate iterate) {
   time_ = iterate.time;
+  slipsBefore_ = std::move(iterate.slipsBefore);
   {
     const auto scope = context_.timers.scope("dual_operator");
     contact_ = std::move(iterate.contact);
@@ -593,8 +594,11 @@ void RunStages::writeFields(const std::string& file) {
     fields.cellStress = &cellStress;
   }
   ContactFields atNodes;
-  if (context_.report.inequalities > 0) {
-    fields.kinds = {contact_.hasFriction, context_.scene.breaks()};
+  // Of finite displacements contacts come and go, the fields stay.
+  const bool isFinite = context_.scene.isFinite();
+  if (isFinite ? context_.scene.hasInequalities() : context_.report.inequalities > 0) {
+    fields.kinds = {isFinite ? context_.scene.hasInterfaceLaws() : contact_.hasFriction,
+                    context_.scene.breaks()};
     atNodes = contactFields(*context_.comm, owned_, contact_.points, context_.report.contact, fields.kinds);
     fields.contact = &atNodes;
   }

@@ -61,6 +61,7 @@ class RunStages : private feti::PipelineObserver {
     std::vector<std::shared_ptr<const std::vector<double>>> loads; ///< less internal forces
     std::vector<std::vector<double>> prescribed;
     scene::ContactSetup contact;
+    std::vector<double> slipsBefore; ///< of limited rows, when the step began; none: zeros
   };
   void prepare(Iterate iterate);
   /// And the equilibrium that it came to, in the place of recover(): contact states, reactions and forces

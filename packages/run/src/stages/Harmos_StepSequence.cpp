@@ -50,10 +50,15 @@ Solution StepSequence::go() {
 
 void StepSequence::begin() {
   run_.setUp();
-  states_.emplace(*context_.comm, context_.scene, run_.contact());
+  // Of finite displacements the points change, and their slips are the loop's.
+  static const scene::ContactSetup none;
+  states_.emplace(*context_.comm, context_.scene, context_.scene.isFinite() ? none : run_.contact());
   bounds_.emplace(Bounds{{context_.scene, run_.contact()},
                          {*context_.comm, run_.contact(), run_.owned(), context_.scene.components()}});
-  energy_.emplace(run_.loads().cases(), run_.contact().limitedRows > 0, context_.scene.breaks());
+  energy_.emplace(run_.loads().cases(),
+                  run_.contact().limitedRows > 0 ||
+                      (context_.scene.isFinite() && context_.scene.hasInterfaceLaws()),
+                  context_.scene.breaks());
   if (context_.scene.isFinite())
     equilibrium_.emplace(context_, run_);
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;

@@ -190,6 +190,11 @@ fem::Point directionOf(const Scene& scene, int component) {
   return direction;
 }
 
+bool Scene::hasInterfaceLaws() const {
+  return std::any_of(effects.begin(), effects.end(),
+                     [](const auto& effect) { return effect->interfaceLaw() != nullptr; });
+}
+
 fem::Elasticity elasticityOf(const Scene& scene, const Body& body) {
   return {kinematicsOf(scene.physics), body.dilatation, body.materials, body.integration, scene.strains};
 }

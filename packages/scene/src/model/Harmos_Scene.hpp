@@ -83,6 +83,8 @@ struct Scene {
   bool hasInequalities() const;
   /// Whether points may break: even a static state goes the way of a step then.
   bool breaks() const;
+  /// Whether any effect holds points by a law with a state, as friction.
+  bool hasInterfaceLaws() const;
   /// Whether displacements are of any size: equilibrium and contact are those of the deformed bodies.
   bool isFinite() const { return strains == fem::Strains::Finite; }
   /// Whether it is solved step by step.
