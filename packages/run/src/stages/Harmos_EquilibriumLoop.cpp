@@ -256,10 +256,13 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
         std::max({progress_.scale, std::sqrt(2.0 * forces.energy), iterations_ == 1 ? change.merit : 0.0});
     tell(change.merit);
     if (isWhole && change.merit <= context_.options.tolerance * progress_.scale) {
-      trial_.displacement = answer;
-      run_.take({change.torn, answer, loads_, audit(time, forces, change)});
-      trial_.slips.keep(run_.contact(), context_.report.contact);
-      return Outcome::Converged;
+      const feti::KktAudit audited = audit(time, answer, forces, change);
+      if (agrees(audited, answer)) {
+        trial_.displacement = answer;
+        run_.take({change.torn, answer, loads_, audited});
+        trial_.slips.keep(run_.contact(), context_.report.contact);
+        return Outcome::Converged;
+      }
     }
     if (isStuck(change.merit))
       return Outcome::Failed;
@@ -320,12 +323,22 @@ void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, Defor
   forces = std::move(ofMixed);
 }
 
-feti::KktAudit EquilibriumLoop::audit(double time, const DeformedBodies::Forces& forces,
-                                      const Change& change) {
+// Forces in balance, and nothing that penetrates, to the share that answers of small displacements are
+// allowed; of penetrations as a share of how far bodies have moved in the step.
+bool EquilibriumLoop::agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const {
+  const double allowed = feti::auditShare(context_.options.tolerance);
+  const double moved = largestOf(*context_.comm, sum(answer, -1.0, committed_.displacement));
+  constexpr double rounding = 1e-12;
+  return audited.equilibrium <= allowed &&
+         audited.penetration <= allowed * moved + rounding * audited.largestDisplacement;
+}
+
+feti::KktAudit EquilibriumLoop::audit(double time, const feti::TornVector& answer,
+                                      const DeformedBodies::Forces& forces, const Change& change) const {
   const Teuchos::Comm<int>& comm = *context_.comm;
   const feti::SubdomainSystem& system = run_.pipeline().system();
   feti::KktAudit result = feti::audit(system, *run_.pipeline().constraints(), change.torn);
-  const scene::ContactSetup contact = contactAt(time, trial_.displacement);
+  const scene::ContactSetup contact = contactAt(time, answer);
   const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
   const Teuchos::RCP<const MultiVector> multiplier = trial_.forces.on(*constraints, contact);
   const std::vector<double> overlap = constraints->toOverlap(*multiplier);
@@ -339,7 +352,7 @@ feti::KktAudit EquilibriumLoop::audit(double time, const DeformedBodies::Forces&
       isFixed[static_cast<std::size_t>(fixed.dof)] = 1;
     for (std::size_t k = 0; k < ofRows.size(); ++k) {
       const double load = (*loads_[i])[k], internal = forces.internal[i][k];
-      sums[4] += load * trial_.displacement[i][k];
+      sums[4] += load * answer[i][k];
       if (isFixed[k] != 0)
         continue;
       sums[0] += std::pow(load - internal - ofRows[k], 2);
@@ -363,7 +376,7 @@ feti::KktAudit EquilibriumLoop::audit(double time, const DeformedBodies::Forces&
   result.penetration = globalMax(comm, penetration);
   result.complementarity = std::abs(globalSum(comm, product));
   result.gluingJump = change.jump;
-  result.largestDisplacement = largestOf(comm, trial_.displacement);
+  result.largestDisplacement = largestOf(comm, answer);
   result.energyNorm = std::sqrt(2.0 * forces.energy);
   const double ofConstraints = result.energy - result.primalEnergy;
   result.primalEnergy = forces.energy - sums[4];

@@ -80,7 +80,9 @@ class EquilibriumLoop {
   bool isStuck(double merit);
   void tell(double merit) const;
   void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);
-  feti::KktAudit audit(double time, const DeformedBodies::Forces& forces, const Change& change);
+  feti::KktAudit audit(double time, const feti::TornVector& answer, const DeformedBodies::Forces& forces,
+                       const Change& change) const;
+  bool agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const;
 
   RunContext context_;
   RunStages& run_;

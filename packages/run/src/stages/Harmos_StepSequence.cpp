@@ -109,6 +109,7 @@ StepSequence::Outcome StepSequence::attempt() {
       equilibrium_->begin();
     attempt_.updates = 0;
     attempt_.counters = {};
+    attempt_.factorisationsBefore = context_.report.factorisations;
   }
   const int most = mostUpdates + static_cast<int>(run_.contact().bondCount);
   while (true) {
@@ -253,6 +254,11 @@ StepSequence::Outcome StepSequence::accept() {
   StepRow row = stepRow(context_.report, *energy_);
   row.step = clock_.step();
   row.time = clock_.to();
+  if (equilibrium_) {
+    run_.countFactorisations();
+    row.newton = equilibrium_->iterations();
+    row.factorisations = context_.report.factorisations - attempt_.factorisationsBefore;
+  }
   tellFurther(context_.scene, row);
   row.products = attempt_.counters.hessianApplications;
   row.activeSets = attempt_.counters.faces;

@@ -76,7 +76,8 @@ class StepSequence {
   struct Attempt {
     int updates = 0;       // of states
     qp::Counters counters; // of all its solves
-    std::string failure;   // of the last attempt
+    long long factorisationsBefore = 0;
+    std::string failure; // of the last attempt
   };
 
   RunContext context_;

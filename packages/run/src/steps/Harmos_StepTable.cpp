@@ -74,6 +74,8 @@ std::vector<std::string> furtherColumns(const scene::Scene& scene) {
     columns.push_back("history/" + name);
   for (const scene::Measure& measure : scene.measures)
     columns.push_back(measure.name);
+  if (scene.isFinite())
+    columns.insert(columns.end(), {"newton", "factorisations"});
   return columns;
 }
 
@@ -84,6 +86,10 @@ void tellFurther(const scene::Scene& scene, StepRow& row) {
     row.further.emplace_back(columns[row.further.size()], scene.timeline.factor(name, row.time));
   for (const scene::Measure& measure : scene.measures)
     row.further.emplace_back(measure.name, measure.scale * valueOf(scene, measure, row));
+  if (scene.isFinite()) {
+    row.further.emplace_back("newton", static_cast<double>(row.newton));
+    row.further.emplace_back("factorisations", static_cast<double>(row.factorisations));
+  }
 }
 
 std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::string>& paths,
@@ -108,6 +114,8 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
   for (const StepRow& row : rows) {
     for (const auto& item : row.numbers())
       values.push_back(item.second);
+    values.push_back(static_cast<double>(row.newton));
+    values.push_back(static_cast<double>(row.factorisations));
     for (const Forces::Of& effect : row.forces)
       for (const fem::Point* vector : {&effect.resultant.force, &effect.resultant.moment})
         values.insert(values.end(), vector->begin(), vector->end());
@@ -115,7 +123,7 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
   archive.numbers("rows of steps", values);
   if (!archive.isReading())
     return;
-  const std::size_t width = StepRow().numbers().size() + 6 * paths.size();
+  const std::size_t width = StepRow().numbers().size() + 2 + 6 * paths.size();
   if (values.size() % width != 0)
     throw InputError("the steps of the checkpoint have the forces of other effects; restart with the deck of "
                      "the run that wrote it");
@@ -135,7 +143,9 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
     long long* counts[] = {&row.closed, &row.open, &row.sticking, &row.slipping, &row.broken};
     for (std::size_t k = 0; k < 5; ++k)
       *counts[k] = static_cast<long long>(v[9 + k]);
-    const double* force = v + 14;
+    row.newton = static_cast<long long>(v[14]);
+    row.factorisations = static_cast<long long>(v[15]);
+    const double* force = v + 16;
     for (const std::string& path : paths) {
       Forces::Of& effect = row.forces.emplace_back();
       effect.path = path;

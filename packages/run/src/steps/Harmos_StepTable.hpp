@@ -24,6 +24,7 @@ struct StepRow {
   double dissipated = 0.0;
   double released = 0.0;                                                  ///< of jumps at constant load
   long long closed = 0, open = 0, sticking = 0, slipping = 0, broken = 0; ///< contact points
+  long long newton = 0, factorisations = 0; ///< of finite displacements: iterations; on all ranks
   std::vector<Forces::Of> forces;
   std::vector<std::pair<std::string, double>> further; ///< see tellFurther()
 
@@ -31,8 +32,8 @@ struct StepRow {
   std::vector<std::pair<std::string, double>> numbers() const;
 };
 
-/// Further columns of a scene: "history/<name>", the factor of each of the deck's histories, and its
-/// measures.
+/// Further columns of a scene: "history/<name>", the factor of each of the deck's histories, its measures,
+/// and "newton" and "factorisations" of finite displacements.
 std::vector<std::string> furtherColumns(const scene::Scene& scene);
 /// What stands there. @param row whose time and forces are known.
 void tellFurther(const scene::Scene& scene, StepRow& row);
@@ -45,7 +46,7 @@ std::string toCsv(const std::vector<StepRow>& rows, const std::vector<std::strin
 /// One of its lines, with the end of the line.
 std::string csvLine(const StepRow& row);
 
-/// For checkpoints. Further columns follow from the others, and are not kept.
+/// For checkpoints. Further columns follow from the rest, and are not kept.
 /// @param paths of the forces' effects, which are not kept either.
 void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows,
               const std::vector<std::string>& paths);
