@@ -21,6 +21,29 @@ Tensor rightCauchyGreen(const Voigt& strain) {
   return c;
 }
 
+Tensor product(const Tensor& a, const Tensor& b) {
+  Tensor c{};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k)
+      for (std::size_t j = 0; j < 3; ++j)
+        c[i][j] += a[i][k] * b[k][j];
+  return c;
+}
+
+// x − ln(1 + x).
+double beyondLogarithm(double x) {
+  constexpr double small = 1e-2;
+  if (std::abs(x) > small)
+    return x - std::log1p(x);
+  double sum = 0.0, power = -x;
+  constexpr int terms = 9; // x¹⁰ is rounding errors of x²
+  for (int k = 2; k < terms; ++k) {
+    power *= -x;
+    sum += power / k;
+  }
+  return sum;
+}
+
 } // namespace
 
 ElasticLaw::ElasticLaw(const Material& material, Kinematics kinematics)
@@ -81,19 +104,23 @@ ElasticResponse ElasticLaw::neoHookean(const Voigt& given) const {
   if (isPlaneStress)
     strain[2] = 0.5 * (stretchWithoutStress(given) - 1.0);
   response.across = strain[2];
-  const Tensor c = rightCauchyGreen(strain);
-  const double det = determinant(c);
+  Tensor twice = rightCauchyGreen(strain); // 2E
+  for (std::size_t a = 0; a < 3; ++a)
+    twice[a][a] = 2.0 * strain[a];
+  const double beyond = determinantBeyondOne(twice), det = 1.0 + beyond;
   if (!(det > 0.0)) {
     response.energy = std::numeric_limits<double>::quiet_NaN();
     return response;
   }
-  const Tensor inverse = inverseTransposed(c, det);
-  const double logJ = 0.5 * std::log(det), mu = shear_ - lambda_ * logJ;
-  response.energy =
-      shear_ * (strain[0] + strain[1] + strain[2]) - shear_ * logJ + 0.5 * lambda_ * logJ * logJ;
+  const Tensor inverse = inverseTransposed(rightCauchyGreen(strain), det);
+  const Tensor apart = product(inverse, twice); // I − C⁻¹
+  const double logJ = 0.5 * std::log1p(beyond), mu = shear_ - lambda_ * logJ;
+  // tr E − ln J, of which the first digits cancel.
+  const double higher = beyond - twice[0][0] - twice[1][1] - twice[2][2];
+  response.energy = 0.5 * shear_ * (beyondLogarithm(beyond) - higher) + 0.5 * lambda_ * logJ * logJ;
   for (std::size_t r = 0; r < 6; ++r) {
     const auto [i, j] = voigtPairs[r];
-    response.stress[r] = (i == j ? shear_ : 0.0) - mu * inverse[i][j];
+    response.stress[r] = shear_ * apart[i][j] + lambda_ * logJ * inverse[i][j];
     for (std::size_t s = 0; s < 6; ++s) {
       const auto [k, l] = voigtPairs[s];
       response.tangent[r][s] = lambda_ * inverse[i][j] * inverse[k][l] +
@@ -112,15 +139,6 @@ ElasticResponse ElasticLaw::neoHookean(const Voigt& given) const {
 }
 
 namespace {
-
-Tensor product(const Tensor& a, const Tensor& b) {
-  Tensor c{};
-  for (std::size_t i = 0; i < 3; ++i)
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t j = 0; j < 3; ++j)
-        c[i][j] += a[i][k] * b[k][j];
-  return c;
-}
 
 // Cholesky, of rows that are not zero.
 bool isPositiveDefinite(VoigtMatrix c) {

@@ -18,6 +18,19 @@ Voigt squareOf(const DeformationGradient& f) {
   return c;
 }
 
+// E = ½(H + Hᵀ + HᵀH), H = F − I, without the digits that F and I have in common.
+Voigt greenStrain(const Tensor& h) {
+  Voigt e{};
+  for (std::size_t r = 0; r < 6; ++r) {
+    const auto [i, j] = voigtPairs[r];
+    double sum = h[i][j] + h[j][i];
+    for (std::size_t a = 0; a < 3; ++a)
+      sum += h[a][i] * h[a][j];
+    e[r] = i == j ? 0.5 * sum : sum;
+  }
+  return e;
+}
+
 } // namespace
 
 FiniteStrain::FiniteStrain(const Mesh& mesh, const CellIntegrator& cell, bool projected)
@@ -29,7 +42,7 @@ FiniteStrain::FiniteStrain(const Mesh& mesh, const CellIntegrator& cell, bool pr
       hasHoop_(mesh.isAxisymmetric),
       space_(mesh, cell),
       gradients_(static_cast<std::size_t>(cell.points())),
-      jacobians_(gradients_.size()),
+      dilatations_(gradients_.size()),
       factors_(gradients_.size(), 1.0),
       strains_(gradients_.size()),
       values_(gradients_.size() * rows_ * dofs_) {}
@@ -40,11 +53,11 @@ void FiniteStrain::update(const double* values, bool needsOperator) {
     return;
   if (projected_) {
     findProjection();
-    leastJacobian_ = std::min(leastJacobian_, *std::min_element(smooth_.begin(), smooth_.end()));
+    leastJacobian_ = std::min(leastJacobian_, 1.0 + *std::min_element(smooth_.begin(), smooth_.end()));
     if (!(leastJacobian_ > 0.0))
       return;
+    projectStrains();
   }
-  findStrains();
   if (!needsOperator)
     return;
   findOperator();
@@ -55,25 +68,26 @@ void FiniteStrain::update(const double* values, bool needsOperator) {
 void FiniteStrain::findGradients(const double* values) {
   for (std::size_t q = 0; q < points(); ++q) {
     const int iq = static_cast<int>(q);
-    DeformationGradient& f = gradients_[q];
-    f = {};
-    for (std::size_t a = 0; a < 3; ++a)
-      f[a][a] = 1.0;
+    Tensor h{}; // F − I
     for (int i = 0; i < cell_.basisSize(); ++i) {
       const Point& g = cell_.gradient(i, iq);
       const double* u = values + static_cast<std::size_t>(i) * dimension_;
       for (std::size_t a = 0; a < dimension_; ++a)
         for (std::size_t b = 0; b < dimension_; ++b)
-          f[a][b] += u[a] * g[b];
+          h[a][b] += u[a] * g[b];
       if (hasHoop_)
-        f[2][2] += u[0] * cell_.value(i, iq) / cell_.position(iq)[0];
+        h[2][2] += u[0] * cell_.value(i, iq) / cell_.position(iq)[0];
     }
-    jacobians_[q] = f[2][2] > 0.0 ? determinant(f) : std::min(f[2][2], -1.0); // through the axis
+    strains_[q] = greenStrain(h);
+    dilatations_[q] = h[2][2] > -1.0 ? determinantBeyondOne(h) : -2.0; // through the axis
+    for (std::size_t a = 0; a < 3; ++a)
+      h[a][a] += 1.0;
+    gradients_[q] = h;
   }
-  leastJacobian_ = *std::min_element(jacobians_.begin(), jacobians_.end());
+  leastJacobian_ = 1.0 + *std::min_element(dilatations_.begin(), dilatations_.end());
 }
 
-// J̄ = ΣₐᵦψₐG⁻¹ₐᵦ∫ψᵦJ, as a matrix that takes values at points.
+// J̄ − 1 = ΣₐᵦψₐG⁻¹ₐᵦ∫ψᵦ(J − 1), as a matrix that takes values at points.
 void FiniteStrain::findProjection() {
   space_.update();
   const std::size_t m = space_.size(), n = points();
@@ -93,17 +107,18 @@ void FiniteStrain::findProjection() {
     for (std::size_t p = 0; p < n; ++p) {
       for (std::size_t a = 0; a < m; ++a)
         projection_[q * n + p] += space_.at(q)[a] * moments[p * m + a];
-      smooth_[q] += projection_[q * n + p] * jacobians_[p];
+      smooth_[q] += projection_[q * n + p] * dilatations_[p];
     }
 }
 
-void FiniteStrain::findStrains() {
+// Ē = (J̄/J)^{2/3}E + ½((J̄/J)^{2/3} − 1)I.
+void FiniteStrain::projectStrains() {
   for (std::size_t q = 0; q < points(); ++q) {
-    if (projected_)
-      factors_[q] = std::cbrt(smooth_[q] / jacobians_[q]);
-    const Voigt c = squareOf(gradients_[q]);
+    const double logarithm = std::log1p((smooth_[q] - dilatations_[q]) / (1.0 + dilatations_[q]));
+    factors_[q] = std::exp(logarithm / 3.0);
+    const double change = std::expm1(2.0 / 3.0 * logarithm);
     for (std::size_t r = 0; r < 6; ++r)
-      strains_[q][r] = 0.5 * (factors_[q] * factors_[q] * c[r] - (r < 3 ? 1.0 : 0.0));
+      strains_[q][r] += change * (strains_[q][r] + (r < 3 ? 0.5 : 0.0));
   }
 }
 
@@ -137,15 +152,16 @@ void FiniteStrain::findChangesOfVolume(std::vector<double>& changes) const {
   changes.assign(points() * dofs_, 0.0);
   for (std::size_t q = 0; q < points(); ++q) {
     const int iq = static_cast<int>(q);
-    const DeformationGradient h = inverseTransposed(gradients_[q], jacobians_[q]);
+    const double jacobian = 1.0 + dilatations_[q];
+    const DeformationGradient h = inverseTransposed(gradients_[q], jacobian);
     for (int i = 0; i < cell_.basisSize(); ++i) {
       const Point& g = cell_.gradient(i, iq);
       for (std::size_t a = 0; a < dimension_; ++a) {
         double& change = changes[q * dofs_ + static_cast<std::size_t>(i) * dimension_ + a];
         for (std::size_t b = 0; b < dimension_; ++b)
-          change += jacobians_[q] * h[a][b] * g[b];
+          change += jacobian * h[a][b] * g[b];
         if (hasHoop_ && a == 0)
-          change += jacobians_[q] * h[2][2] * cell_.value(i, iq) / cell_.position(iq)[0];
+          change += jacobian * h[2][2] * cell_.value(i, iq) / cell_.position(iq)[0];
       }
     }
   }
@@ -164,9 +180,9 @@ void FiniteStrain::project() {
     const double square = factors_[q] * factors_[q];
     for (std::size_t r = 0; r < rows_; ++r)
       for (std::size_t k = 0; k < dofs_; ++k)
-        at(q, r)[k] =
-            square *
-            (at(q, r)[k] + c[r] / 3.0 * (smooth[k] / smooth_[q] - changes[q * dofs_ + k] / jacobians_[q]));
+        at(q, r)[k] = square * (at(q, r)[k] + c[r] / 3.0 *
+                                                  (smooth[k] / (1.0 + smooth_[q]) -
+                                                   changes[q * dofs_ + k] / (1.0 + dilatations_[q])));
   }
 }
 

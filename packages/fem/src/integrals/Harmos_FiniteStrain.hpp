@@ -54,7 +54,7 @@ class FiniteStrain {
   std::size_t points() const { return gradients_.size(); }
   void findGradients(const double* values);
   void findProjection();
-  void findStrains();
+  void projectStrains();
   void findOperator();
   void findChangesOfVolume(std::vector<double>& changes) const;
   void project();
@@ -65,8 +65,8 @@ class FiniteStrain {
   DilatationSpace space_;
   double leastJacobian_ = 0.0;
   std::vector<DeformationGradient> gradients_;
-  std::vector<double> jacobians_, smooth_; // J and its projection
-  std::vector<double> projection_;         // a matrix, of values at points
+  std::vector<double> dilatations_, smooth_; // J − 1 and its projection
+  std::vector<double> projection_;           // a matrix, of values at points
   std::vector<double> factors_;
   std::vector<Voigt> strains_;
   std::vector<double> values_;

@@ -23,6 +23,12 @@ inline double determinant(const Tensor& t) {
   return t[0][0] * cofactor(t, 0, 0) + t[0][1] * cofactor(t, 0, 1) + t[0][2] * cofactor(t, 0, 2);
 }
 
+/// det(I + t) − 1, to its own digits where t is small.
+inline double determinantBeyondOne(const Tensor& t) {
+  return t[0][0] + t[1][1] + t[2][2] + cofactor(t, 0, 0) + cofactor(t, 1, 1) + cofactor(t, 2, 2) +
+         determinant(t);
+}
+
 /// t⁻ᵀ. @param det its determinant, not zero.
 inline Tensor inverseTransposed(const Tensor& t, double det) {
   Tensor result;

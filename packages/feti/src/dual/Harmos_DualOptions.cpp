@@ -250,7 +250,8 @@ DualOptions::Decided DualOptions::decided(const SubdomainSystem& system, const C
     limits.products = expectedProducts > 0 ? expectedProducts : usualProducts;
     limits.budgetMiB = memoryBudgetMiB;
     limits.memoryMiB = share * machineMemoryMiB(*system.comm());
-    result.inverses.context = std::make_shared<FactorizationContext>();
+    if (!result.inverses.context)
+      result.inverses.context = std::make_shared<FactorizationContext>();
     limits.before = before;
     const FormChoice choice =
         chooseForm(system, constraints, result.inverses, limits, *result.inverses.context, rates.local);

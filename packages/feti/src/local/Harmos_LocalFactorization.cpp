@@ -24,9 +24,10 @@ std::shared_ptr<const FrontTree> FactorizationContext::tree(const LocalMatrix& p
   std::shared_ptr<const FrontTree>& known = trees_[{entries, hash, rest, use == FrontTree::Rest::Absent}];
   isNew = known == nullptr;
   if (isNew) {
-    std::shared_ptr<const FrontTree>& last = last_[{entries, hash}];
-    known = std::make_shared<FrontTree>(pattern, rest, use, last.get());
-    last = known;
+    std::shared_ptr<const FrontTree>& model = models_[{entries, hash}];
+    known = std::make_shared<FrontTree>(pattern, rest, use, model.get());
+    if (model == nullptr || likeness_ == Likeness::Last)
+      model = known;
   }
   return known;
 }

@@ -49,6 +49,11 @@ struct FactorizationCounts {
 /// solver.
 class FactorizationContext {
  public:
+  /// Which order of a pattern that of other rows left follows: the last one, or always the first, so that
+  /// orders do not depend on what was factored in between.
+  enum class Likeness { Last, First };
+  explicit FactorizationContext(Likeness likeness = Likeness::Last) : likeness_(likeness) {}
+
   /// The tree of a matrix with these rows left, made where it is not known. @param isNew whether it was made.
   std::shared_ptr<const FrontTree> tree(const LocalMatrix& pattern, const std::vector<int>& rest,
                                         FrontTree::Rest use, bool& isNew);
@@ -61,7 +66,8 @@ class FactorizationContext {
  private:
   using Key = std::tuple<std::size_t, std::size_t, std::vector<int>, bool>; ///< entries, hash, rest, absent
   std::map<Key, std::shared_ptr<const FrontTree>> trees_;
-  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const FrontTree>> last_; ///< of a pattern
+  Likeness likeness_;
+  std::map<std::pair<std::size_t, std::size_t>, std::shared_ptr<const FrontTree>> models_; ///< of a pattern
   std::map<Key, std::vector<int>> positions_;
   FrontWorkspace workspace_;
 };

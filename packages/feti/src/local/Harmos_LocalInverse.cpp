@@ -121,9 +121,10 @@ class SchurBySolves : public BoundaryOperator {
 class ImplicitInverse : public LocalInverse {
  public:
   ImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel, std::vector<int> boundary,
-                  const LocalInverseSettings& settings, std::shared_ptr<FactorizationContext> context)
+                  const LocalInverseSettings& settings, std::shared_ptr<FactorizationContext> context,
+                  const Kernel& fixedBy)
       : matrix_(&matrix),
-        fixing_(kernel.columns > 0 ? fixingDofs(matrix, kernel, settings.fixingPlaces) : std::vector<int>()),
+        fixing_(kernel.columns > 0 ? fixingDofs(matrix, fixedBy, settings.fixingPlaces) : std::vector<int>()),
         solver_(settings.solver),
         context_(std::move(context)),
         boundary_(*this, std::move(boundary)) {
@@ -430,8 +431,10 @@ class CondensedInverse : public LocalInverse {
 std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                   const std::vector<int>& boundary,
                                                   const LocalInverseSettings& settings,
-                                                  std::shared_ptr<FactorizationContext> context) {
-  return std::make_unique<ImplicitInverse>(matrix, kernel, boundary, settings, std::move(context));
+                                                  std::shared_ptr<FactorizationContext> context,
+                                                  const Kernel* fixedBy) {
+  return std::make_unique<ImplicitInverse>(matrix, kernel, boundary, settings, std::move(context),
+                                           fixedBy != nullptr ? *fixedBy : kernel);
 }
 
 std::unique_ptr<LocalInverse> makeCondensedInverse(const LocalMatrix& matrix, const Kernel& kernel,

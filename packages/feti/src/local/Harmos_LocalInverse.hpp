@@ -66,11 +66,13 @@ struct LocalInverseSettings {
 ///
 /// With Precision::Single the factors are in single precision, and each solve is followed by one step of
 /// iterative refinement with a residual in double.
-/// @param boundary rising.
+/// @param boundary rising. @param fixedBy the kernel, or one like it, by which dofs are chosen that hold it;
+/// null: the kernel.
 std::unique_ptr<LocalInverse> makeImplicitInverse(const LocalMatrix& matrix, const Kernel& kernel,
                                                   const std::vector<int>& boundary,
                                                   const LocalInverseSettings& settings,
-                                                  std::shared_ptr<FactorizationContext> context);
+                                                  std::shared_ptr<FactorizationContext> context,
+                                                  const Kernel* fixedBy = nullptr);
 
 /// With S the Schur complement on b and R_b the rows of the kernel there,
 ///

@@ -104,7 +104,8 @@ struct Place {
   const LocalMatrix& matrix;
   const Kernel& kernel;
   const CongruenceClass& item;
-  std::string number; ///< of its first subdomain
+  std::string number;        ///< of its first subdomain
+  const Kernel& firstKernel; ///< see SubdomainSystem
 };
 
 // With the subdomain's name and what may be wrong with it.
@@ -125,13 +126,14 @@ void rethrowing(const LocalMatrix& matrix, const Kernel& kernel, const LocalInve
 
 Made makeOnce(const Place& place, const LocalInverseOptions& options,
               const std::shared_ptr<FactorizationContext>& context) {
-  const auto& [matrix, kernel, item, number] = place;
+  const auto& [matrix, kernel, item, number, firstKernel] = place;
   Made made;
   rethrowing(matrix, kernel, options, number, [&, &boundary = item.boundary, &members = item.members] {
-    made.inverse = options.form == DualForm::Implicit
-                       ? makeImplicitInverse(place.matrix, place.kernel, boundary, options, context)
-                       : makeCondensedInverse(place.matrix, place.kernel, boundary,
-                                              static_cast<int>(members.size()), options, context);
+    made.inverse =
+        options.form == DualForm::Implicit
+            ? makeImplicitInverse(place.matrix, place.kernel, boundary, options, context, &place.firstKernel)
+            : makeCondensedInverse(place.matrix, place.kernel, boundary, static_cast<int>(members.size()),
+                                   options, context);
   });
   made.quality = settled(matrix, kernel, *made.inverse, options, number);
   return made;
@@ -174,7 +176,7 @@ std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, co
   }
   for (CongruenceClass& item : classes) {
     const int first = item.members.front();
-    item.boundary = boundaryWithSupport(system.matrix(first), system.kernel(first),
+    item.boundary = boundaryWithSupport(system.matrix(first), system.firstKernel(first),
                                         touchedDofs(constraints, item.members), fixingPlaces);
   }
   return classes;
@@ -268,7 +270,8 @@ void LocalInverses::renew(const SubdomainSystem& system, const Constraints& cons
   };
   const auto place = [&](const CongruenceClass& item) -> Place {
     const int first = item.members.front();
-    return {system.matrix(first), system.kernel(first), item, std::to_string(system.subdomain(first).number)};
+    return {system.matrix(first), system.kernel(first), item, std::to_string(system.subdomain(first).number),
+            system.firstKernel(first)};
   };
   // The same class with other matrices, by the analysis that is there.
   const auto refactored = [&](const Place& of, std::shared_ptr<LocalInverse>& inverse, bool wasReplaced) {

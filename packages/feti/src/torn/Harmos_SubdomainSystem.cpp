@@ -118,6 +118,7 @@ SubdomainSystem::SubdomainSystem(Teuchos::RCP<const Teuchos::Comm<int>> comm,
     checkInput();
     shareStiffness();
     build({});
+    firstKernels_ = kernels_;
   });
 
   // Numbers 0 … N−1, each once; the order of the kernels follows them, whatever the distribution.

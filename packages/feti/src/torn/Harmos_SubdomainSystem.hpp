@@ -98,6 +98,8 @@ class SubdomainSystem {
   const std::vector<double>& rhs(int i) const { return *rhs_[static_cast<std::size_t>(i)]; }
   /// R_i, orthonormal.
   const Kernel& kernel(int i) const { return *kernels_[static_cast<std::size_t>(i)]; }
+  /// That of the matrices it was made with: what is chosen by it does not depend on those between.
+  const Kernel& firstKernel(int i) const { return *firstKernels_[static_cast<std::size_t>(i)]; }
   /// Global number of the first column of R_i.
   int kernelOffset(int i) const { return kernelOffsets_[static_cast<std::size_t>(i)]; }
 
@@ -127,7 +129,7 @@ class SubdomainSystem {
   DirichletForm form_;
   std::vector<std::shared_ptr<const LocalMatrix>> matrices_;
   std::vector<std::shared_ptr<const std::vector<double>>> diagonals_, rhs_;
-  std::vector<std::shared_ptr<const Kernel>> kernels_;
+  std::vector<std::shared_ptr<const Kernel>> kernels_, firstKernels_;
   std::vector<int> kernelOffsets_;
   long long globalSubdomains_ = 0;
   long long primalDimension_ = 0;

@@ -201,6 +201,10 @@ feti::DualOptions RunStages::dualOptions() const {
       options.inverses.precision = feti::Precision::Double;
     }
   }
+  // A restart makes the same factors as the run that goes on.
+  if (context_.scene.isFinite())
+    options.inverses.context =
+        std::make_shared<feti::FactorizationContext>(feti::FactorizationContext::Likeness::First);
   // FU and what products say of it cancel to many digits.
   if (options.adaptive.vectors == feti::AdaptiveVectors::All)
     options.mayRound = false;
