@@ -14,11 +14,15 @@ namespace {
 // Rounding of a row of K, some thousand times ε, as for the kernel itself.
 constexpr double hiddenTolerance = 1e-12;
 
-std::vector<int> touchedDofs(const Constraints& constraints, const std::vector<int>& members) {
+std::vector<int> touchedDofs(const SubdomainSystem& system, const Constraints& constraints,
+                             const std::vector<int>& members) {
   std::vector<int> dofs;
-  for (int i : members)
+  for (int i : members) {
     for (const Constraints::Entry& entry : constraints.entries(i))
       dofs.push_back(entry.dof);
+    if (const auto& reserved = system.subdomain(i).reserved)
+      dofs.insert(dofs.end(), reserved->begin(), reserved->end());
+  }
   std::sort(dofs.begin(), dofs.end());
   dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
   return dofs;
@@ -177,7 +181,7 @@ std::vector<CongruenceClass> congruenceClasses(const SubdomainSystem& system, co
   for (CongruenceClass& item : classes) {
     const int first = item.members.front();
     item.boundary = boundaryWithSupport(system.matrix(first), system.firstKernel(first),
-                                        touchedDofs(constraints, item.members), fixingPlaces);
+                                        touchedDofs(system, constraints, item.members), fixingPlaces);
   }
   return classes;
 }

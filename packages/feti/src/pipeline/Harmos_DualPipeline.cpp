@@ -177,9 +177,11 @@ void DualPipeline::setMatrices(const std::vector<std::shared_ptr<const LocalMatr
 void DualPipeline::setShape(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                             const std::vector<std::shared_ptr<const Kernel>>& motions,
                             std::vector<std::shared_ptr<const std::vector<double>>> loads,
-                            const std::vector<ConstraintRow>& rows) {
+                            const std::vector<ConstraintRow>& rows,
+                            std::vector<std::optional<Frame>> frames) {
   const Factored before = isComplete() ? factored() : Factored();
   made_.system->setMatrices(stiffness, motions);
+  made_.system->setFrames(std::move(frames));
   forgetOperators();
   made_.system->setLoads(std::move(loads));
   constrain(rows);

@@ -99,10 +99,11 @@ class DualPipeline {
   /// nothing: kernels as they were.
   void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                    const std::vector<std::shared_ptr<const Kernel>>& motions = {});
+  /// @param frames of matrices and kernels, see SubdomainSystem::setFrames().
   void setShape(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                 const std::vector<std::shared_ptr<const Kernel>>& motions,
                 std::vector<std::shared_ptr<const std::vector<double>>> loads,
-                const std::vector<ConstraintRow>& rows);
+                const std::vector<ConstraintRow>& rows, std::vector<std::optional<Frame>> frames = {});
   /// Products, and factors, in double precision from here on. @note Collective.
   void useDoublePrecision();
 

@@ -66,6 +66,7 @@ Constraints::Constraints(const SubdomainSystem& system, const std::vector<Constr
       weights_(weights),
       hasWeights_(hasWeights) {
   keepRows(built);
+  enterFrames();
   keepFullRows(built.held);
   keepGiven(rows, built);
   keepMultipliers(built.multipliers);
@@ -93,6 +94,31 @@ void Constraints::keepRows(const BuiltRows& built) {
   const auto total = static_cast<Tpetra::global_size_t>(built.dualDimension);
   rowMap_ = Teuchos::rcp(new Map(total, owned(), 0, system_->comm()));
   import_ = Teuchos::rcp(new Importer(rowMap_, mapOf(touched, *system_)));
+}
+
+// B_i ← B_i T.
+void Constraints::enterFrames() {
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    const Frame* frame = system_->frame(static_cast<int>(i));
+    if (frame == nullptr)
+      continue;
+    std::vector<Entry> turned;
+    const int components = frame->components();
+    for (auto begin = entries_[i].begin(); begin != entries_[i].end();) {
+      const int row = begin->row, node = begin->dof / components;
+      std::array<double, 3> before{};
+      for (; begin != entries_[i].end() && begin->row == row && begin->dof / components == node; ++begin)
+        before[static_cast<std::size_t>(begin->dof % components)] += begin->value;
+      for (int b = 0; b < components; ++b) {
+        double value = 0.0;
+        for (int a = 0; a < components; ++a)
+          value += before[static_cast<std::size_t>(a)] *
+                   (*frame)(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+        turned.push_back({row, node * components + b, value});
+      }
+    }
+    entries_[i] = std::move(turned);
+  }
 }
 
 void Constraints::keepFullRows(const std::vector<std::vector<RowEntry>>& held) {

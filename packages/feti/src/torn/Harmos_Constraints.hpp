@@ -93,7 +93,7 @@ class Constraints : public RowConditions {
   Teuchos::RCP<const Map> overlapMap() const;
   /// Rank that owns a row of overlapMap().
   int overlapOwner(int row) const { return overlapOwner_[static_cast<std::size_t>(row)]; }
-  /// B_i, sorted by row.
+  /// B_i, in the subdomain's frame, sorted by row.
   const std::vector<Entry>& entries(int subdomain) const {
     return entries_[static_cast<std::size_t>(subdomain)];
   }
@@ -144,6 +144,7 @@ class Constraints : public RowConditions {
   Constraints(const SubdomainSystem& system, const std::vector<ConstraintRow>& rows, bool hasWeights,
               const Details::Weights& weights, const Details::BuiltRows& built);
   void keepRows(const Details::BuiltRows& built);
+  void enterFrames();
   void keepFullRows(const Sent& held);
   void keepGiven(const std::vector<ConstraintRow>& rows, const Details::BuiltRows& built);
   void keepMultipliers(const std::vector<Details::MultiplierTerm>& terms);

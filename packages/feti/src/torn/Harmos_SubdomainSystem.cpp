@@ -385,6 +385,11 @@ void SubdomainSystem::updateRhs() {
           rest[static_cast<std::size_t>(dof)] = 0.0;
         return rest;
       }));
+    if (const Frame* own = frame(static_cast<int>(rhs_.size()) - 1)) {
+      Load turned = *rhs_.back();
+      own->enter(turned);
+      rhs_.back() = std::make_shared<const Load>(std::move(turned));
+    }
   }
 }
 
@@ -423,6 +428,36 @@ void SubdomainSystem::build(Known known) {
     diagonals_.push_back(diagonals.get(matrices_.back().get(), [&] { return matrices_.back()->diagonal(); }));
   }
   updateRhs();
+}
+
+void SubdomainSystem::setFrames(std::vector<std::optional<Frame>> frames) {
+  agree(*comm_, [&] {
+    if (!frames.empty() && frames.size() != subdomains_.size())
+      throw InputError("frames must cover each subdomain of the rank: " + std::to_string(subdomains_.size()) +
+                       ", not " + std::to_string(frames.size()));
+    for (std::size_t i = 0; i < frames.size(); ++i)
+      if (frames[i] && (!heldDofs(subdomains_[i]).empty() ||
+                        subdomains_[i].stiffness->rows() % frames[i]->components() != 0))
+        throw InputError(
+            name(subdomains_[i]) +
+                ": a frame needs a matrix without prescribed values, with as many rows a node as "
+                "it has components",
+            dataOf(subdomains_[i]));
+  });
+  frames_ = std::move(frames);
+  updateRhs();
+}
+
+void SubdomainSystem::leaveFrames(TornVector& u) const {
+  for (int i = 0; i < size(); ++i)
+    if (const Frame* own = frame(i))
+      own->leave(u[static_cast<std::size_t>(i)]);
+}
+
+void SubdomainSystem::enterFrames(TornVector& u) const {
+  for (int i = 0; i < size(); ++i)
+    if (const Frame* own = frame(i))
+      own->enter(u[static_cast<std::size_t>(i)]);
 }
 
 TornVector SubdomainSystem::zeroVector() const {

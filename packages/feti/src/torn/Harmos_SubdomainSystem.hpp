@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_Frame.hpp"
 #include "Harmos_Kernel.hpp"
 #include "Harmos_LocalMatrix.hpp"
 
@@ -36,6 +37,9 @@ struct Subdomain {
   std::shared_ptr<const Kernel> motions; ///< kernel of the stiffness without boundary conditions
   /// Where it is, if that is known: clusters are bricks by it; see partitionIntoClusters().
   std::optional<std::array<double, 3>> centre = std::nullopt;
+  /// Interface dofs on which constraint rows may act later, where these come and go: inverses are made for
+  /// them, too. Null: none.
+  std::shared_ptr<const std::vector<int>> reserved = nullptr;
 };
 
 /// How Dirichlet conditions are enforced.
@@ -82,6 +86,20 @@ class SubdomainSystem {
   /// @note Collective. The system is as it was if this throws.
   void setMatrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness,
                    const std::vector<std::shared_ptr<const Kernel>>& motions = {});
+
+  /// Frames of matrices and kernels, for each subdomain; none: matrices are as loads are. Constraints that
+  /// were made before are to be made anew. In frames are rhs() and what is solved for, not loads and
+  /// prescribed values. @throws InputError on all ranks for a subdomain with prescribed values in the matrix,
+  /// and for numbers of components that do not go with it. @note Collective.
+  void setFrames(std::vector<std::optional<Frame>> frames);
+  /// Null: none.
+  const Frame* frame(int i) const {
+    return frames_.empty() || !frames_[static_cast<std::size_t>(i)] ? nullptr
+                                                                    : &*frames_[static_cast<std::size_t>(i)];
+  }
+  /// Of what is solved for, from the frames, and into them. Local.
+  void leaveFrames(TornVector& u) const;
+  void enterFrames(TornVector& u) const;
 
   const Teuchos::RCP<const Teuchos::Comm<int>>& comm() const { return comm_; }
   DirichletForm dirichletForm() const { return form_; }
@@ -130,6 +148,7 @@ class SubdomainSystem {
   std::vector<std::shared_ptr<const LocalMatrix>> matrices_;
   std::vector<std::shared_ptr<const std::vector<double>>> diagonals_, rhs_;
   std::vector<std::shared_ptr<const Kernel>> kernels_, firstKernels_;
+  std::vector<std::optional<Frame>> frames_;
   std::vector<int> kernelOffsets_;
   long long globalSubdomains_ = 0;
   long long primalDimension_ = 0;

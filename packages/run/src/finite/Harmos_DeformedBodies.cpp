@@ -6,6 +6,7 @@
 #include "Harmos_FiniteElasticity.hpp"
 #include "Harmos_Kernel.hpp"
 #include "Harmos_Rendezvous.hpp"
+#include "Harmos_Tensors.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -93,6 +94,78 @@ DeformedBodies::Tangent DeformedBodies::tangent(const feti::TornVector& displace
       result.kernels.push_back(std::make_shared<feti::Kernel>(std::move(kernel)));
     }
   });
+  return result;
+}
+
+namespace {
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+
+// Σ(y − ȳ)(x − x̄)ᵀ of nodes that went from x to y, with a one for the axis that the plane lacks.
+Matrix covariance(const fem::Mesh& mesh, const std::vector<double>& from, const std::vector<double>& to) {
+  const auto m = static_cast<std::size_t>(mesh.dimension()),
+             n = static_cast<std::size_t>(mesh.numberOfNodes());
+  std::array<double, 3> before{}, after{};
+  for (std::size_t k = 0; k < n * m; ++k) {
+    before[k % m] += (mesh.coordinates[k] + from[k]) / static_cast<double>(n);
+    after[k % m] += (mesh.coordinates[k] + to[k]) / static_cast<double>(n);
+  }
+  Matrix result{};
+  double size = 0.0;
+  for (std::size_t k = 0; k < n * m; k += m)
+    for (std::size_t a = 0; a < m; ++a)
+      for (std::size_t b = 0; b < m; ++b) {
+        const double x = mesh.coordinates[k + b] + from[k + b] - before[b];
+        result[a][b] += (mesh.coordinates[k + a] + to[k + a] - after[a]) * x;
+        size += a == b ? x * x : 0.0;
+      }
+  if (m == 2)
+    result[2][2] = size;
+  return result;
+}
+
+// The orthogonal factor Q of A = QP by Newton's iteration Q ← ½(Q + Q⁻ᵀ) (Higham: Computing the polar
+// decomposition, SIAM J. Sci. Stat. Comput. 7, 1986); none of a matrix that is singular or mirrors.
+std::optional<Matrix> rotationOf(Matrix q) {
+  constexpr int most = 60;
+  double scale = 0.0;
+  for (const auto& row : q)
+    for (const double entry : row)
+      scale = std::max(scale, std::abs(entry));
+  for (auto& row : q)
+    for (double& entry : row)
+      entry /= scale > 0.0 ? scale : 1.0;
+  constexpr double singular = 1e-9, converged = 1e-15;
+  for (int k = 0; k < most; ++k) {
+    const double det = fem::determinant(q);
+    if (!(det > singular))
+      return std::nullopt;
+    const Matrix inverse = fem::inverseTransposed(q, det);
+    double change = 0.0;
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t b = 0; b < 3; ++b) {
+        const double next = 0.5 * (q[a][b] + inverse[a][b]);
+        change = std::max(change, std::abs(next - q[a][b]));
+        q[a][b] = next;
+      }
+    if (change <= converged)
+      break;
+  }
+  return q;
+}
+
+} // namespace
+
+std::vector<std::optional<feti::Frame>> DeformedBodies::frames(const feti::TornVector& from,
+                                                               const feti::TornVector& to) const {
+  std::vector<std::optional<feti::Frame>> result;
+  for (std::size_t i = 0; i < atRest_.size(); ++i) {
+    std::optional<feti::Frame>& frame = result.emplace_back();
+    if (from[i] == to[i] || atRest_[i].mesh.mesh->isAxisymmetric) // around an axis nothing turns
+      continue;
+    if (const auto q = rotationOf(covariance(*atRest_[i].mesh.mesh, from[i], to[i])))
+      frame.emplace(*q, scene_.components());
+  }
   return result;
 }
 

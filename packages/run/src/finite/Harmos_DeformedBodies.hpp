@@ -8,6 +8,7 @@
 #include <Teuchos_Comm.hpp>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace Harmos::run {
@@ -37,6 +38,12 @@ class DeformedBodies {
   };
   /// The material part, see fem::assembleStrainTangent(), of sound displacements.
   Tangent tangent(const feti::TornVector& displacement) const;
+
+  /// By how each subdomain has turned on the way from one displacement to another, in the mean (the rotation
+  /// nearest to how its nodes have moved: Kabsch 1976); none of those that have not, and where nodes lie in a
+  /// line. Local.
+  std::vector<std::optional<feti::Frame>> frames(const feti::TornVector& from,
+                                                 const feti::TornVector& to) const;
 
   /// Gives copies of a node their mean. @return the largest change of a component, of all ranks.
   double joinCopies(feti::TornVector& displacement) const;

@@ -16,6 +16,8 @@ namespace Harmos::run {
 namespace {
 
 constexpr int mostIterations = 60;
+// Of one change over the last: a tangent by which they come down more slowly is made anew.
+constexpr double contraction = 0.3;
 // Of the change that errors of a solve may be.
 constexpr double share = 0.01;
 // Of a solve: less is rounding errors.
@@ -70,8 +72,31 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
       committed_{run.pipeline().system().zeroVector(), CarriedForces(context.scene),
                  PointSlips(context.scene)},
       trial_(committed_) {
-  for (int i = 0; i < run.pipeline().system().size(); ++i)
-    weights_.push_back(run.pipeline().system().diagonal(i));
+  const feti::SubdomainSystem& system = run.pipeline().system();
+  for (int i = 0; i < system.size(); ++i) {
+    weights_.push_back(system.diagonal(i));
+    base_.tangent.matrices.push_back(system.subdomain(i).stiffness);
+    base_.tangent.kernels.push_back(system.subdomain(i).motions);
+  }
+  base_.displacement = committed_.displacement;
+}
+
+void EquilibriumLoop::rebase(const feti::TornVector& displacement) {
+  base_ = {displacement, bodies_.tangent(displacement), false};
+}
+
+// Of the tangent, which turns with the bodies. With rows that are weighted by stiffness, dof by dof, clusters
+// or prescribed values in the matrix it stays as it is.
+std::vector<std::optional<feti::Frame>> EquilibriumLoop::frames() const {
+  const feti::SubdomainSystem& system = run_.pipeline().system();
+  if (run_.pipeline().constraints()->hasWeights() || run_.pipeline().inverses()->joined() != nullptr)
+    return {};
+  std::vector<std::optional<feti::Frame>> result = bodies_.frames(base_.displacement, trial_.displacement);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    if (system.dirichletForm() == feti::DirichletForm::Primal &&
+        !system.subdomain(static_cast<int>(i)).fixed.empty())
+      result[i].reset();
+  return result;
 }
 
 void EquilibriumLoop::begin() {
@@ -114,7 +139,11 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
   iterate.prescribed = run_.loads().prescribed(time);
   {
     const auto scope = context_.timers.scope("assembly");
-    iterate.tangent = bodies_.tangent(trial_.displacement);
+    if (progress_.isSlow)
+      rebase(trial_.displacement);
+    progress_.isSlow = false;
+    iterate.tangent = base_.tangent;
+    iterate.frames = frames();
     for (std::size_t i = 0; i < internal.size(); ++i) {
       auto load = std::make_shared<std::vector<double>>(*loads_[i]);
       for (std::size_t k = 0; k < load->size(); ++k)
@@ -175,9 +204,11 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonito
     change.torn = feti::recover(*stages.system, *stages.constraints, *stages.inverses, *stages.coarse,
                                 *stages.problem, *solution.lambda, solution.mu);
     change.joined = change.torn.displacement;
+    stages.system->leaveFrames(change.joined);
+    const feti::TornVector torn = change.joined;
     change.jump = bodies_.joinCopies(change.joined);
     change.merit = meritOf(change.joined);
-    const double error = meritOf(sum(change.torn.displacement, -1.0, change.joined)),
+    const double error = meritOf(sum(torn, -1.0, change.joined)),
                  allowed = share * std::max(change.merit, context_.options.tolerance * progress_.scale);
     if (error <= allowed || progress_.tolerance <= leastTolerance)
       break;
@@ -191,16 +222,16 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonito
 
 // ‖du‖_K̂.
 double EquilibriumLoop::meritOf(const feti::TornVector& change) const {
+  const feti::SubdomainSystem& system = run_.pipeline().system();
+  feti::TornVector inFrames = change;
+  system.enterFrames(inFrames);
   double square = 0.0;
   std::vector<double> image;
-  for (std::size_t i = 0; i < change.size(); ++i) {
-    image.resize(change[i].size());
-    run_.pipeline()
-        .system()
-        .subdomain(static_cast<int>(i))
-        .stiffness->multiply(change[i].data(), image.data());
+  for (std::size_t i = 0; i < inFrames.size(); ++i) {
+    image.resize(inFrames[i].size());
+    system.subdomain(static_cast<int>(i)).stiffness->multiply(inFrames[i].data(), image.data());
     for (std::size_t k = 0; k < image.size(); ++k)
-      square += image[k] * change[i][k];
+      square += image[k] * inFrames[i][k];
   }
   return std::sqrt(std::max(0.0, globalSum(*context_.comm, square)));
 }
@@ -259,11 +290,13 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
       const feti::KktAudit audited = audit(time, answer, forces, change);
       if (agrees(audited, answer)) {
         trial_.displacement = answer;
-        run_.take({change.torn, answer, loads_, audited});
+        run_.take({change.torn, answer, loads_, reactions(forces, change), audited});
         trial_.slips.keep(run_.contact(), context_.report.contact);
         return Outcome::Converged;
       }
     }
+    progress_.isSlow = iterations_ > 1 && change.merit > contraction * progress_.last;
+    progress_.last = change.merit;
     if (isStuck(change.merit))
       return Outcome::Failed;
     moveOn(answer, isWhole, forces);
@@ -275,12 +308,12 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
 
 void EquilibriumLoop::tell(double merit) const {
   const double share = progress_.scale > 0.0 ? merit / progress_.scale : 0.0;
-  context_.log.info(
-      "  Newton iteration " + std::to_string(iterations_) + ": change " + scientific(share, 1) + ", " +
-      std::to_string(context_.report.result.counters.hessianApplications) + " applications of F" +
-      (context_.report.inequalities > 0
-           ? ", " + std::to_string(context_.report.inequalities) + " contact points"
-           : ""));
+  context_.log.info("  Newton iteration " + std::to_string(iterations_) + ": change " + scientific(share, 1) +
+                    ", " + std::to_string(context_.report.result.counters.hessianApplications) +
+                    " applications of F" +
+                    (context_.report.inequalities > 0
+                         ? ", " + std::to_string(context_.report.inequalities) + " contact points"
+                         : ""));
 }
 
 void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWithinStep) {
@@ -289,6 +322,10 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   torn.exchange("displacement", committed_.displacement);
   committed_.forces.exchange(archive, "forces", constraints);
   committed_.slips.exchange(*context_.comm, archive);
+  archive.number("tangent at rest", base_.isAtRest);
+  torn.exchange("displacement of the tangent", base_.displacement);
+  if (archive.isReading() && !base_.isAtRest)
+    rebase(base_.displacement);
   if (!isWithinStep)
     return;
   torn.exchange("displacement of the iteration", trial_.displacement);
@@ -297,6 +334,8 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.number("tolerance of solves", progress_.tolerance);
   archive.number("scale of the merit", progress_.scale);
   archive.number("least merit", progress_.least);
+  archive.number("last merit", progress_.last);
+  archive.number("tangent is to be made anew", progress_.isSlow);
   archive.number("iterations since the least merit", progress_.sinceLeast);
   std::size_t entries = mixing_.size();
   archive.number("iterates mixed", entries);
@@ -335,6 +374,20 @@ bool EquilibriumLoop::agrees(const feti::KktAudit& audited, const feti::TornVect
          audited.penetration <= allowed * moved + rounding * audited.largestDisplacement;
 }
 
+// By which prescribed values are held: internal forces, loads and those of rows out of balance.
+std::vector<std::vector<double>> EquilibriumLoop::reactions(const DeformedBodies::Forces& forces,
+                                                            const Change& change) const {
+  const feti::SubdomainSystem& system = run_.pipeline().system();
+  std::vector<std::vector<double>> result =
+      run_.pipeline().constraints()->heldForces(*change.torn.multiplier);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (std::size_t k = 0; k < result[i].size(); ++k) {
+      const auto dof = static_cast<std::size_t>(system.subdomain(static_cast<int>(i)).fixed[k].dof);
+      result[i][k] += forces.internal[i][dof] - (*loads_[i])[dof];
+    }
+  return result;
+}
+
 feti::KktAudit EquilibriumLoop::audit(double time, const feti::TornVector& answer,
                                       const DeformedBodies::Forces& forces, const Change& change) const {
   const Teuchos::Comm<int>& comm = *context_.comm;
@@ -349,6 +402,8 @@ feti::KktAudit EquilibriumLoop::audit(double time, const feti::TornVector& answe
   for (std::size_t i = 0; i < loads_.size(); ++i) {
     ofRows.assign(loads_[i]->size(), 0.0);
     constraints->addBt(static_cast<int>(i), overlap.data(), ofRows.data());
+    if (const feti::Frame* frame = system.frame(static_cast<int>(i)))
+      frame->leave(ofRows);
     std::vector<char> isFixed(ofRows.size(), 0);
     for (const feti::FixedDof& fixed : system.subdomain(static_cast<int>(i)).fixed)
       isFixed[static_cast<std::size_t>(fixed.dof)] = 1;

@@ -52,6 +52,12 @@ class EquilibriumLoop {
 
  private:
   using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
+  // Where the tangent was made: it turns with the bodies until it is made anew.
+  struct Base {
+    feti::TornVector displacement;
+    DeformedBodies::Tangent tangent;
+    bool isAtRest = true;
+  };
   // What u is in, or was.
   struct State {
     feti::TornVector displacement;
@@ -61,10 +67,11 @@ class EquilibriumLoop {
   // How the merit came down.
   struct Progress {
     double tolerance = 0.0; // of solves
-    double scale = 0.0, least = 0.0;
+    double scale = 0.0, least = 0.0, last = 0.0;
+    bool isSlow = false; // the tangent is to be made anew
     int sinceLeast = 0;
   };
-  // What a quadratic program says: du, and with equal copies; ‖du‖_K̂.
+  // What a quadratic program says: du in the frames, and with equal copies, without; ‖du‖_K̂.
   struct Change {
     feti::TornSolution torn;
     feti::TornVector joined;
@@ -78,6 +85,10 @@ class EquilibriumLoop {
   bool advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces);
   double meritOf(const feti::TornVector& change) const;
   bool isStuck(double merit);
+  void rebase(const feti::TornVector& displacement);
+  std::vector<std::optional<feti::Frame>> frames() const;
+  std::vector<std::vector<double>> reactions(const DeformedBodies::Forces& forces,
+                                             const Change& change) const;
   void tell(double merit) const;
   void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);
   feti::KktAudit audit(double time, const feti::TornVector& answer, const DeformedBodies::Forces& forces,
@@ -90,6 +101,7 @@ class EquilibriumLoop {
   feti::TornVector weights_; // of the norm by which changes are mixed
   AndersonMixing mixing_;
   State committed_, trial_;
+  Base base_;
   Loads loads_;
   Progress progress_;
   int iterations_ = 0;

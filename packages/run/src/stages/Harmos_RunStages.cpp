@@ -158,6 +158,39 @@ void RunStages::decompose() {
   scene::checkBoundaryParts(*context_.comm, context_.scene, owned_);
 }
 
+namespace {
+
+// Where contacts of deformed bodies may act, and all components of nodes with prescribed values, which frames
+// mix: by the nodes of the subdomain. Those of one mesh share the list.
+void reserve(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned,
+             std::vector<feti::Subdomain>& subdomains) {
+  const int components = scene.components();
+  std::map<std::vector<int>, std::shared_ptr<const std::vector<int>>> known;
+  for (std::size_t i = 0; i < owned.size(); ++i) {
+    std::set<int> nodes;
+    for (const auto& effect : scene.effects)
+      if (effect->givesInequalities())
+        for (const scene::Effect::BoundaryPart& part : effect->boundaryParts())
+          if (const auto set = owned[i].mesh.sets.find(part.set);
+              part.body == owned[i].body && set != owned[i].mesh.sets.end())
+            nodes.insert(set->second.begin(), set->second.end());
+    for (const feti::FixedDof& fixed : subdomains[i].fixed)
+      nodes.insert(fixed.dof / components);
+    std::vector<int> dofs;
+    for (int node : nodes)
+      for (int c = 0; c < components; ++c)
+        dofs.push_back(node * components + c);
+    if (dofs.empty())
+      continue;
+    std::shared_ptr<const std::vector<int>>& shared = known[dofs];
+    if (!shared)
+      shared = std::make_shared<const std::vector<int>>(dofs);
+    subdomains[i].reserved = shared;
+  }
+}
+
+} // namespace
+
 feti::SubdomainSystem RunStages::assemble() {
   const auto scope = context_.timers.scope("assembly");
   std::vector<feti::Subdomain> subdomains;
@@ -167,6 +200,8 @@ feti::SubdomainSystem RunStages::assemble() {
       loads_->requireConsistent();
     }
     subdomains = scene::assemble(context_.scene, owned_, costs_);
+    if (context_.scene.isFinite())
+      reserve(context_.scene, owned_, subdomains);
   });
   return {context_.comm, std::move(subdomains), dirichletForm(context_.scene, context_.options)};
 }
@@ -472,6 +507,7 @@ void RunStages::recover() {
   solve_->conclude();
   const auto scope = context_.timers.scope("recovery");
   tellContact(torn_);
+  reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), torn_);
   tellForces(torn_, nullptr);
 }
 
@@ -487,7 +523,6 @@ void RunStages::tellContact(const feti::TornSolution& solution) {
     addSlips(*context_.comm, contact_, context_.report.slips, slipsBefore_, context_.report.contact);
   }
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
-  reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), solution);
 }
 
 // @param solution with the displacements. @param loads null: those of the system.
@@ -519,7 +554,7 @@ void RunStages::prepare(Iterate iterate) {
     pipeline_->setPrescribed(iterate.prescribed);
   }
   pipeline_->setShape(iterate.tangent.matrices, iterate.tangent.kernels, std::move(iterate.loads),
-                      contact_.rows);
+                      contact_.rows, std::move(iterate.frames));
   pipeline_->problem();
 }
 
@@ -528,6 +563,7 @@ void RunStages::take(Equilibrium equilibrium) {
   context_.report.audit = equilibrium.audit;
   context_.report.audited = true;
   tellContact(equilibrium.change);
+  reactions_ = std::move(equilibrium.reactions);
   torn_ = {std::move(equilibrium.displacement), equilibrium.change.multiplier, {}};
   tellForces(torn_, &equilibrium.loads);
 }

@@ -58,6 +58,7 @@ class RunStages : private feti::PipelineObserver {
   struct Iterate {
     double time;
     DeformedBodies::Tangent tangent;
+    std::vector<std::optional<feti::Frame>> frames;                ///< of it
     std::vector<std::shared_ptr<const std::vector<double>>> loads; ///< less internal forces
     std::vector<std::vector<double>> prescribed;
     scene::ContactSetup contact;
@@ -67,9 +68,10 @@ class RunStages : private feti::PipelineObserver {
   /// And the equilibrium that it came to, in the place of recover(): contact states, reactions and forces
   /// follow, the audit is given.
   struct Equilibrium {
-    feti::TornSolution change; ///< the last one, with its multiplier
+    feti::TornSolution change; ///< the last one, in the frames, with its multiplier
     feti::TornVector displacement;
     std::vector<std::shared_ptr<const std::vector<double>>> loads;
+    std::vector<std::vector<double>> reactions; ///< of prescribed values
     feti::KktAudit audit;
   };
   void take(Equilibrium equilibrium);
