@@ -5,6 +5,7 @@
 #include "Harmos_Exchange.hpp"
 #include "Harmos_FiniteElasticity.hpp"
 #include "Harmos_Kernel.hpp"
+#include "Harmos_MovedSubdomains.hpp"
 #include "Harmos_Rendezvous.hpp"
 #include "Harmos_Tensors.hpp"
 
@@ -74,6 +75,32 @@ DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displaceme
   });
   result.isSound = globalSum(comm_, unsound) == 0;
   result.energy = globalSum(comm_, energy);
+  return result;
+}
+
+feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displacement, double time) const {
+  feti::TornVector result;
+  std::vector<const scene::Effect*> effects;
+  for (const auto& effect : scene_.effects)
+    if (effect->hasFollowingLoads())
+      effects.push_back(effect.get());
+  if (effects.empty())
+    return result;
+  agree(comm_, [&] {
+    for (const scene::OwnedSubdomain& item : scene::moved(atRest_, displacement)) {
+      std::vector<double>& sum = result.emplace_back(displacement[result.size()].size(), 0.0);
+      for (const scene::Effect* effect : effects) {
+        const std::vector<int> bodies = effect->bodies();
+        if (std::find(bodies.begin(), bodies.end(), item.body) == bodies.end())
+          continue;
+        std::vector<double> load(sum.size(), 0.0);
+        effect->addFollowingLoad(scene_, item, load);
+        const double factor = scene_.timeline.factor(*effect, time);
+        for (std::size_t k = 0; k < sum.size(); ++k)
+          sum[k] += factor * load[k];
+      }
+    }
+  });
   return result;
 }
 

@@ -31,6 +31,10 @@ class DeformedBodies {
   /// @throws NumericalError on all ranks for cells that are inverted at rest.
   Forces forces(const feti::TornVector& displacement) const;
 
+  /// Loads that go with the deformed bodies at a time, of each subdomain; nothing without any.
+  /// @throws InputError on all ranks.
+  feti::TornVector followingLoads(const feti::TornVector& displacement, double time) const;
+
   /// What a Newton iteration takes for the derivative of forces, with its kernel.
   struct Tangent {
     std::vector<std::shared_ptr<const LocalMatrix>> matrices;

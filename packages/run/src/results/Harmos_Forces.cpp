@@ -109,8 +109,8 @@ class Sums {
 };
 
 // Loads; congruent subdomains share them.
-void addLoads(const scene::Scene& scene,
-              const std::vector<std::shared_ptr<const std::vector<double>>>& loads, Sums& sums) {
+void addLoads(const scene::Scene& scene, const std::vector<std::shared_ptr<const std::vector<double>>>& loads,
+              Sums& sums) {
   struct Load {
     Point force{};
     double size = 0.0;

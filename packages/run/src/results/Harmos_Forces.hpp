@@ -44,7 +44,8 @@ struct Forces {
 /// @param system, contact of the scene and this rank's subdomains. @param reactions see feti::reactions().
 /// @param multipliers see feti::Constraints::givenMultipliers(), of the rows of the contact.
 /// @param time of loads; none: of the first step. @param loads of each subdomain, where they are not those of
-/// the system; of finite displacements forces act at the places where nodes are now. @return the same on every rank.
+/// the system; of finite displacements forces act at the places where nodes are now. @return the same on
+/// every rank.
 /// @note Collective.
 /// Guarded by tests/unit/run/test_forces.cpp.
 Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,

@@ -69,8 +69,8 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
       run_(run),
       bodies_(*context.comm, context.scene, run.owned()),
       mixing_(*context.comm, weights_),
-      committed_{run.pipeline().system().zeroVector(), CarriedForces(context.scene),
-                 PointSlips(context.scene)},
+      committed_{
+          run.pipeline().system().zeroVector(), CarriedForces(context.scene), PointSlips(context.scene), {}},
       trial_(committed_) {
   const feti::SubdomainSystem& system = run.pipeline().system();
   for (int i = 0; i < system.size(); ++i) {
@@ -132,7 +132,35 @@ scene::ContactSetup EquilibriumLoop::contactAt(double time, const feti::TornVect
   return contact;
 }
 
+// Those that keep their direction, and those that go with the bodies.
+EquilibriumLoop::Loads EquilibriumLoop::loadsAt(double time, const feti::TornVector& displacement) const {
+  const feti::TornVector following = bodies_.followingLoads(displacement, time);
+  if (following.empty())
+    return dead_;
+  Loads result;
+  for (std::size_t i = 0; i < following.size(); ++i) {
+    auto load = std::make_shared<std::vector<double>>(*dead_[i]);
+    for (std::size_t k = 0; k < load->size(); ++k)
+      (*load)[k] += following[i][k];
+    result.push_back(load);
+  }
+  return result;
+}
+
+// Of loads that go with the bodies, on the way of the step: by the trapezoidal rule.
+double EquilibriumLoop::followingWork(double time, const feti::TornVector& answer) {
+  trial_.following = bodies_.followingLoads(answer, time);
+  double work = 0.0;
+  for (std::size_t i = 0; i < trial_.following.size(); ++i)
+    for (std::size_t k = 0; k < answer[i].size(); ++k)
+      work += 0.5 *
+              (trial_.following[i][k] + (committed_.following.empty() ? 0.0 : committed_.following[i][k])) *
+              (answer[i][k] - committed_.displacement[i][k]);
+  return globalSum(*context_.comm, work);
+}
+
 void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
+  const Loads loads = loadsAt(time, trial_.displacement);
   const feti::SubdomainSystem& system = run_.pipeline().system();
   RunStages::Iterate iterate;
   iterate.time = time;
@@ -145,7 +173,7 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
     iterate.tangent = base_.tangent;
     iterate.frames = frames();
     for (std::size_t i = 0; i < internal.size(); ++i) {
-      auto load = std::make_shared<std::vector<double>>(*loads_[i]);
+      auto load = std::make_shared<std::vector<double>>(*loads[i]);
       for (std::size_t k = 0; k < load->size(); ++k)
         (*load)[k] -= internal[i][k];
       iterate.loads.push_back(load);
@@ -269,7 +297,7 @@ bool EquilibriumLoop::isStuck(double merit) {
 
 EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, RunMonitor& monitor,
                                                 const std::function<void()>& save) {
-  loads_ = run_.loads().loads(time);
+  dead_ = run_.loads().loads(time);
   DeformedBodies::Forces forces = bodies_.forces(trial_.displacement);
   while (true) {
     ++iterations_;
@@ -287,10 +315,12 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
         std::max({progress_.scale, std::sqrt(2.0 * forces.energy), iterations_ == 1 ? change.merit : 0.0});
     tell(change.merit);
     if (isWhole && change.merit <= context_.options.tolerance * progress_.scale) {
-      const feti::KktAudit audited = audit(time, answer, forces, change);
+      const Loads loads = loadsAt(time, answer);
+      const feti::KktAudit audited = audit(time, {answer, forces, loads, change});
       if (agrees(audited, answer)) {
         trial_.displacement = answer;
-        run_.take({change.torn, answer, loads_, reactions(forces, change), audited});
+        work_ = followingWork(time, answer);
+        run_.take({change.torn, answer, loads, reactions(forces, loads, change), audited});
         trial_.slips.keep(run_.contact(), context_.report.contact);
         return Outcome::Converged;
       }
@@ -322,6 +352,10 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   torn.exchange("displacement", committed_.displacement);
   committed_.forces.exchange(archive, "forces", constraints);
   committed_.slips.exchange(*context_.comm, archive);
+  bool follows = !committed_.following.empty();
+  archive.number("loads follow", follows);
+  if (follows)
+    torn.exchange("following loads", committed_.following);
   archive.number("tangent at rest", base_.isAtRest);
   torn.exchange("displacement of the tangent", base_.displacement);
   if (archive.isReading() && !base_.isAtRest)
@@ -376,20 +410,20 @@ bool EquilibriumLoop::agrees(const feti::KktAudit& audited, const feti::TornVect
 
 // By which prescribed values are held: internal forces, loads and those of rows out of balance.
 std::vector<std::vector<double>> EquilibriumLoop::reactions(const DeformedBodies::Forces& forces,
-                                                            const Change& change) const {
+                                                            const Loads& loads, const Change& change) const {
   const feti::SubdomainSystem& system = run_.pipeline().system();
   std::vector<std::vector<double>> result =
       run_.pipeline().constraints()->heldForces(*change.torn.multiplier);
   for (std::size_t i = 0; i < result.size(); ++i)
     for (std::size_t k = 0; k < result[i].size(); ++k) {
       const auto dof = static_cast<std::size_t>(system.subdomain(static_cast<int>(i)).fixed[k].dof);
-      result[i][k] += forces.internal[i][dof] - (*loads_[i])[dof];
+      result[i][k] += forces.internal[i][dof] - (*loads[i])[dof];
     }
   return result;
 }
 
-feti::KktAudit EquilibriumLoop::audit(double time, const feti::TornVector& answer,
-                                      const DeformedBodies::Forces& forces, const Change& change) const {
+feti::KktAudit EquilibriumLoop::audit(double time, const Answer& given) const {
+  const auto& [answer, forces, loads, change] = given;
   const Teuchos::Comm<int>& comm = *context_.comm;
   const feti::SubdomainSystem& system = run_.pipeline().system();
   feti::KktAudit result = feti::audit(system, *run_.pipeline().constraints(), change.torn);
@@ -399,8 +433,8 @@ feti::KktAudit EquilibriumLoop::audit(double time, const feti::TornVector& answe
   const std::vector<double> overlap = constraints->toOverlap(*multiplier);
   std::vector<double> sums(5, 0.0); // squares: out of balance, loads, internal, of rows; work of loads
   std::vector<double> ofRows;
-  for (std::size_t i = 0; i < loads_.size(); ++i) {
-    ofRows.assign(loads_[i]->size(), 0.0);
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    ofRows.assign(loads[i]->size(), 0.0);
     constraints->addBt(static_cast<int>(i), overlap.data(), ofRows.data());
     if (const feti::Frame* frame = system.frame(static_cast<int>(i)))
       frame->leave(ofRows);
@@ -408,8 +442,8 @@ feti::KktAudit EquilibriumLoop::audit(double time, const feti::TornVector& answe
     for (const feti::FixedDof& fixed : system.subdomain(static_cast<int>(i)).fixed)
       isFixed[static_cast<std::size_t>(fixed.dof)] = 1;
     for (std::size_t k = 0; k < ofRows.size(); ++k) {
-      const double load = (*loads_[i])[k], internal = forces.internal[i][k];
-      sums[4] += load * answer[i][k];
+      const double load = (*loads[i])[k], internal = forces.internal[i][k];
+      sums[4] += (*dead_[i])[k] * answer[i][k];
       if (isFixed[k] != 0)
         continue;
       sums[0] += std::pow(load - internal - ofRows[k], 2);

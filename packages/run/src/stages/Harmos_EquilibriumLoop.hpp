@@ -49,6 +49,8 @@ class EquilibriumLoop {
   const std::string& failure() const { return failure_; }
   /// Of the step so far.
   int iterations() const { return iterations_; }
+  /// What loads that go with the bodies have done in the step, by the trapezoidal rule.
+  double followingWork() const { return work_; }
 
  private:
   using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
@@ -62,7 +64,8 @@ class EquilibriumLoop {
   struct State {
     feti::TornVector displacement;
     CarriedForces forces;
-    PointSlips slips; // since the run began
+    PointSlips slips;           // since the run began
+    feti::TornVector following; // loads that go with the bodies; none without any
   };
   // How the merit came down.
   struct Progress {
@@ -87,12 +90,20 @@ class EquilibriumLoop {
   bool isStuck(double merit);
   void rebase(const feti::TornVector& displacement);
   std::vector<std::optional<feti::Frame>> frames() const;
-  std::vector<std::vector<double>> reactions(const DeformedBodies::Forces& forces,
+  std::vector<std::vector<double>> reactions(const DeformedBodies::Forces& forces, const Loads& loads,
                                              const Change& change) const;
   void tell(double merit) const;
   void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);
-  feti::KktAudit audit(double time, const feti::TornVector& answer, const DeformedBodies::Forces& forces,
-                       const Change& change) const;
+  // An equilibrium that is to be audited.
+  struct Answer {
+    const feti::TornVector& displacement;
+    const DeformedBodies::Forces& forces;
+    const Loads& loads;
+    const Change& change;
+  };
+  feti::KktAudit audit(double time, const Answer& given) const;
+  Loads loadsAt(double time, const feti::TornVector& displacement) const;
+  double followingWork(double time, const feti::TornVector& answer);
   bool agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const;
 
   RunContext context_;
@@ -102,8 +113,9 @@ class EquilibriumLoop {
   AndersonMixing mixing_;
   State committed_, trial_;
   Base base_;
-  Loads loads_;
+  Loads dead_; // that keep their direction
   Progress progress_;
+  double work_ = 0.0; // of following loads
   int iterations_ = 0;
   bool isSaveDue_ = false;
   std::string failure_;

@@ -248,7 +248,8 @@ StepSequence::Outcome StepSequence::accept() {
   bounds_->moving.addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
   energy_->reach({run_.loads().factors(clock_.to()), products, context_.report.audit.energy,
                   scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
-                  context_.report.audit.frictionWork, states_->dissipated()});
+                  context_.report.audit.frictionWork, states_->dissipated(),
+                  equilibrium_ ? equilibrium_->followingWork() : 0.0});
   states_->tell(context_.report.slips, context_.report.contact);
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
   StepRow row = stepRow(context_.report, *energy_);

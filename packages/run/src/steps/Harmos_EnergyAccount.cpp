@@ -15,7 +15,7 @@ EnergyAccount::EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool di
 void EnergyAccount::reach(Answer answer) {
   stored_ = answer.lagrangian + answer.freeStrainEnergy - answer.frictionWork;
   dissipated_ = committedDissipation_ + answer.frictionWork;
-  work_ = committedWork_ + answer.freeStrainEnergy - before_.freeStrainEnergy;
+  work_ = committedWork_ + answer.furtherWork + answer.freeStrainEnergy - before_.freeStrainEnergy;
   for (std::size_t c = 0; c < cases_.size(); ++c) {
     const double h0 = before_.factors[c], h1 = answer.factors[c];
     const double load0 = before_.products.load[c], load1 = answer.products.load[c];

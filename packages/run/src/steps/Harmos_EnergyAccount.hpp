@@ -33,6 +33,7 @@ class EnergyAccount {
     double freeStrainEnergy = 0.0;        ///< ½∫ε_T:C:ε_T
     double frictionWork = 0.0;            ///< of the step: feti::KktAudit::frictionWork
     double breaking = 0.0;                ///< dissipated by damage, since the run began
+    double furtherWork = 0.0;             ///< in the step, of loads that are no cases: following ones
   };
 
   /// @param dissipates whether there is friction. @param breaks whether there is damage.

@@ -95,6 +95,10 @@ class Effect {
   virtual std::optional<Key> loadKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
   /// f += ...; a number for each dof = node · components + component.
   virtual void addLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
+  /// Whether it has loads, of finite displacements, that go with the deformed body, as pressures do; they are
+  /// not among those of addLoad() then. @param subdomain deformed; f += those at the factor one.
+  virtual bool hasFollowingLoads() const { return false; }
+  virtual void addFollowingLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
   /// Whether loads are of the force which the effect tells of, as between two sides of a cut.
   virtual bool loadsWithItsForce() const { return false; }
   /// f += those on the first side alone.

@@ -6,6 +6,7 @@
 #include "Harmos_DualSolution.hpp"
 #include "Harmos_Elasticity.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_FetiSolver.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_StructuredBlock.hpp"
 #include "Harmos_TestComm.hpp"
@@ -114,8 +115,10 @@ std::shared_ptr<const feti::Kernel> entered(const feti::Kernel& kernel, const Fr
 
 feti::TornVector solve(feti::DualPipeline& pipeline) {
   const feti::DualStages stages = pipeline.stages();
-  feti::SolverOptions options;
-  options.tolerance = 1e-12;
+  Teuchos::ParameterList given;
+  given.sublist("Solver").set("Tolerance", 1e-12);
+  const Teuchos::ParameterList list = feti::FetiSolver::parameters().validated(given, "the test");
+  const feti::SolverOptions options = feti::SolverOptions::fromList(list.sublist("Solver"));
   feti::SolveReport report;
   const feti::DualSolution solution = feti::solveDualProblem(stages, options, nullptr, {}, Log(), report);
   EXPECT_TRUE(report.converged) << report.reason;
