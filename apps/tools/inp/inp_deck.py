@@ -13,6 +13,8 @@ from inp_model import TYPES
 from inp_parts import Parts, safe
 
 AXES = "xyz"
+# Effects of bodies at finite displacements.
+FINITE = {"Contact", "Friction", "Tie", "Prescribed displacement", "Force", "Traction", "Body force", "Linear constraint"}
 TOUCHING = 1e-300  # ADJUST=0: of surfaces that overlap alone; 0 is none for Harmos
 
 
@@ -53,7 +55,7 @@ class Conversion:
         self.bodies, self.effects = [], defaultdict(dict)
         self.parts, self.materials, self.history = Parts(model), Materials(model), History(model)
         self.cuts, self.free_nodes = {}, {}  # by node of a pretension; series of (node, dof) without elements
-        self.physics, self.thickness = "", 1.0
+        self.physics, self.thickness, self.kinematics = "", 1.0, "small"
         for make in (
             self.make_cuts,
             self.make_bodies,
@@ -64,6 +66,7 @@ class Conversion:
             self.make_temperatures,
             self.make_equations,
             self.make_contacts,
+            self.choose_kinematics,
         ):
             try:
                 make()
@@ -406,6 +409,17 @@ class Conversion:
             for name in self.couple("Contact", "contact", pair, **gaps):
                 if interaction.friction:
                     self.add_effect("Friction", name, Contact=name, Coefficient=interaction.friction)
+
+    def choose_kinematics(self):
+        """NLGEOM of any step is that of all, where all effects go with it."""
+        others = sorted(set(self.effects) - FINITE)
+        if self.model.nlgeom and others:
+            self.notes.append(
+                f"{self.model.nlgeom}: NLGEOM asks for finite deformations, which {', '.join(others)} does not go with; "
+                "displacements are taken to be small"
+            )
+        elif self.model.nlgeom:
+            self.kinematics = "finite"
 
     def extent(self):
         return float(np.linalg.norm(np.ptp(list(self.model.nodes.values()), axis=0)))

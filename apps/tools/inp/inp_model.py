@@ -182,6 +182,7 @@ class Model:
     initial: dict = field(default_factory=dict)  # temperature of nodes
     steps: list = field(default_factory=list)
     notes: list = field(default_factory=list)
+    nlgeom: str = ""  # where it is asked for first
     block_of: dict = field(default_factory=dict)  # number of an element -> (block, row)
 
     def node_list(self, text, place):
@@ -551,9 +552,7 @@ class Reader:
         if "PERTURBATION" in keyword.options:
             raise ValueError(f"{keyword.place}: *STEP, PERTURBATION is not supported")
         if "NLGEOM" in keyword.options and keyword.option("NLGEOM") != "NO":
-            self.model.notes.append(
-                f"{keyword.place}: NLGEOM asks for finite deformations; displacements are taken to be small"
-            )
+            self.model.nlgeom = self.model.nlgeom or keyword.place
         self.model.steps.append(self.step)
 
     def _of_step(self, keyword):

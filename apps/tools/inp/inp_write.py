@@ -75,6 +75,8 @@ def deck_of(conversion, mesh_file):
         "Materials": conversion.materials.lists,
         "Bodies": {},
     }
+    if conversion.kinematics != "small":
+        deck["Model"]["Kinematics"] = conversion.kinematics
     for body in conversion.bodies:
         sections = [section for section, _ in body.regions.values()]
         entry = {"Materials": [conversion.materials.name_of(section) for section in sections]}

@@ -44,16 +44,19 @@ void Contact::check(const scene::Scene& scene) const {
   if (pair_.coupling == Coupling::Nodes)
     throw InputError(label() + " has the coupling \"nodes\", but with \"Model/Kinematics\" = \"finite\" "
                                "surfaces slide: use \"mortar\" or \"automatic\"");
-  if (options_.adjust > 0.0)
-    throw InputError(label() + " has an \"Adjust\", which is of bodies at rest; with \"Model/Kinematics\" = "
-                               "\"finite\" move the meshes or use \"Gap\"");
 }
 
 void Contact::addConstraints(scene::ConstraintCollector& collector) const {
   std::vector<contact::ContactPoint> points =
       pair_.points(collector, SurfacePair::Purpose::Contact, options_.gap - options_.interference);
+  // Of deformed bodies a node keeps what it was adjusted by at rest, wherever it slides.
+  std::map<std::pair<long long, int>, double> atRest;
+  if (options_.adjust > 0.0 && collector.isOfMoved())
+    atRest = pair_.gapsAtRest(collector);
   for (contact::ContactPoint& point : points) {
-    if (options_.adjust > 0.0 && point.gap <= options_.adjust)
+    if (const auto gap = atRest.find({point.node, point.side}); gap != atRest.end())
+      point.gap -= gap->second <= options_.adjust ? gap->second : 0.0;
+    else if (options_.adjust > 0.0 && !collector.isOfMoved() && point.gap <= options_.adjust)
       point.gap = 0.0;
     point.gap += options_.gap - options_.interference;
     point.interference = options_.interference;

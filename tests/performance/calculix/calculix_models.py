@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Models of CalculiX' own test suite: converted, solved, and compared with its results.
 
-    calculix_models.py [NAME...] [--suite DIR] [--work DIR] [--np 1] [--output JSON] [--page MARKDOWN]
+    calculix_models.py [NAME...] [--nlgeom] [--suite DIR] [--work DIR] [--np 1] [--output JSON] [--page MARKDOWN]
     calculix_models.py --render [--output JSON] [--page MARKDOWN]
 
 Each model is converted by harmos-inp. What is converted is solved, and compared with the reference of the suite and
 with ccx, which solves the same input with all displacements printed: displacements at each node, and the mean stresses
-of the elements whose stresses the model prints. Differences are the largest one over the largest value.
+of the elements whose stresses the model prints. Differences are the largest one over the largest value. With
+--nlgeom each step of each model has NLGEOM, and ccx alone is compared with.
 
 The suite is that of Debian's package calculix-ccx-test. Exit status 1 if a model of those in scope does not agree; 77
 where the suite, ccx or h5py are missing.
@@ -53,7 +54,6 @@ OUTSIDE = {
 
 
 OUTSIDE_LINES = (
-    (r"^\*STEP.*NLGEOM", "finite deformations"),
     (r"^\*CHANGE ", "properties that change between steps"),
     (r"^\*INITIAL CONDITIONS.*TYPE *= *(STRESS|PLASTIC)", "initial stresses and strains"),
     (r"^\*BOUNDARY.*FIXED", "supports at deformed positions"),
@@ -71,6 +71,15 @@ def unpacked(suite, directory):
         if not plain.exists():
             plain.write_bytes(gzip.decompress(path.read_bytes()) if path.suffix == ".gz" else path.read_bytes())
     return sorted(directory.glob("*.inp"))
+
+
+def with_nlgeom(sources, directory):
+    """The same models, with finite deformations in all steps."""
+    directory.mkdir(parents=True, exist_ok=True)
+    for source in sources:
+        text = re.sub(r"(?im)^(\*STEP\b(?!.*NLGEOM)[^\n\r]*)", r"\1, NLGEOM", text_of(source))
+        (directory / source.name).write_text(text, encoding="utf-8")
+        yield directory / source.name
 
 
 def text_of(path):
@@ -226,6 +235,7 @@ def arguments():
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("names", nargs="*", metavar="NAME")
+    parser.add_argument("--nlgeom", action="store_true")
     parser.add_argument("--suite", type=Path, default=SUITE)
     parser.add_argument("--work", type=Path, help="where decks and results are left")
     parser.add_argument("--np", type=int, default=1)
@@ -261,6 +271,8 @@ def main():
         for source in unpacked(given.suite, work / "suite")
         if not given.names or source.stem in given.names
     ]
+    if given.nlgeom:
+        sources = list(with_nlgeom(sources, work / "nlgeom"))
     entries = []
     for source in sources:
         entries.append(entry_of(source, work, given.np))

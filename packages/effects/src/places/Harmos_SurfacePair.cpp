@@ -175,6 +175,19 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
   return points;
 }
 
+std::map<std::pair<long long, int>, double>
+SurfacePair::gapsAtRest(scene::ConstraintCollector& collector) const {
+  contact::MortarOptions options;
+  options.reach = reach;
+  options.mayBeApart = true;
+  std::map<std::pair<long long, int>, double> gaps;
+  for (const contact::ContactPoint& point :
+       contact::mortarPoints(collector.surfaceAtRest(first.body, first.set),
+                             collector.surfaceAtRest(second.body, second.set), options))
+    gaps[{point.node, point.side}] = point.gap;
+  return gaps;
+}
+
 void SurfacePair::addTo(ParameterSpec& spec) {
   spec.text("First", "", "\"body/boundary part\" with the multipliers: the finer or softer one. Required.");
   spec.text("Second", "", "\"body/boundary part\" opposite to the first one. Required.");

@@ -4,6 +4,9 @@
 #include "Harmos_ConstraintCollector.hpp"
 #include "Harmos_DeckPlaces.hpp"
 
+#include <map>
+#include <utility>
+
 namespace Harmos::effects {
 
 /// How the meshes of two surfaces are brought together.
@@ -35,6 +38,10 @@ struct SurfacePair {
   /// @param gap to be added to those of the points, which a note is about.
   std::vector<contact::ContactPoint> points(scene::ConstraintCollector& collector, Purpose purpose,
                                             double gap = 0.0) const;
+
+  /// Distances of the bodies at rest at those nodes of the first surface that have counterparts there, by
+  /// node and side: this rank's. Nothing where the surfaces never meet. @note Collective.
+  std::map<std::pair<long long, int>, double> gapsAtRest(scene::ConstraintCollector& collector) const;
 
   static void addTo(ParameterSpec& spec);
   /// @throws InputError for parts that are not there or are the same one.

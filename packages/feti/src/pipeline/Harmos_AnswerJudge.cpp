@@ -229,4 +229,18 @@ TornSolution AnswerJudge::finish(const MultiVector& lambda, const std::vector<do
   return std::move(torn_);
 }
 
+double energyError(const DualStages& stages, PreconditionerScaling scaling, const TornSolution& answer) {
+  Teuchos::RCP<const Operator> extension = stages.preconditioner;
+  if (extension.is_null())
+    extension = Teuchos::rcp(new DualPreconditioner(*stages.system, *stages.constraints, *stages.inverses,
+                                                    PreconditionerKind::Lumped, scaling));
+  MultiVector rows(stages.constraints->rowMap(), 1), forces(stages.constraints->rowMap(), 1);
+  stages.constraints->residual(answer.displacement, *answer.multiplier, rows);
+  keepErrors(*stages.constraints, *answer.multiplier, rows);
+  extension->apply(rows, forces);
+  std::vector<double> product(1);
+  rows.dot(forces, Teuchos::arrayViewFromVector(product));
+  return std::sqrt(std::max(0.0, product[0]));
+}
+
 } // namespace Harmos::feti

@@ -107,4 +107,8 @@ class AnswerJudge {
   bool isSharp_ = false; // the extension was made anew, by Dirichlet's preconditioner
 };
 
+/// √(rᵀM⁻¹r) of what an answer leaves of its rows, r = Bu − c − Cλ, as AnswerJudge estimates the solver's
+/// error in the energy norm; by the stages' preconditioner, or the lumped one. @note Collective.
+double energyError(const DualStages& stages, PreconditionerScaling scaling, const TornSolution& answer);
+
 } // namespace Harmos::feti

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_EquilibriumLoop.hpp"
 
+#include "Harmos_AnswerJudge.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_MovedSubdomains.hpp"
 #include "Harmos_MovingBounds.hpp"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iostream>
 
 namespace Harmos::run {
 namespace {
@@ -217,7 +219,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveOnce(const feti::WarmStart* start
   return Outcome::Failed;
 }
 
-// Solves until what joining copies does to the change is small beside it, or beside what is asked for.
+// Solves until what rows leave is small beside the change, or beside what is asked for.
 EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonitor& monitor, Change& change) {
   const feti::DualStages stages = run_.pipeline().stages();
   std::optional<feti::WarmStart> start;
@@ -233,10 +235,9 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonito
                                 *stages.problem, *solution.lambda, solution.mu);
     change.joined = change.torn.displacement;
     stages.system->leaveFrames(change.joined);
-    const feti::TornVector torn = change.joined;
     change.jump = bodies_.joinCopies(change.joined);
     change.merit = meritOf(change.joined);
-    const double error = meritOf(sum(torn, -1.0, change.joined)),
+    const double error = feti::energyError(stages, run_.pipeline().scaling(), change.torn),
                  allowed = share * std::max(change.merit, context_.options.tolerance * progress_.scale);
     if (error <= allowed || progress_.tolerance <= leastTolerance)
       break;
@@ -399,6 +400,10 @@ void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, Defor
 // Forces in balance, and nothing that penetrates, to the share that answers of small displacements are
 // allowed; of penetrations as a share of how far bodies have moved in the step.
 bool EquilibriumLoop::agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const {
+  if (getenv("HAUD"))
+    std::cerr << "AUDIT eq " << audited.equilibrium << " forces " << audited.forces << " pen "
+              << audited.penetration << " unit " << audited.unitForce << " disp "
+              << audited.largestDisplacement << "\n";
   const double allowed = feti::auditShare(context_.options.tolerance);
   const double moved = largestOf(*context_.comm, sum(answer, -1.0, committed_.displacement));
   constexpr double rounding = 1e-12;

@@ -54,6 +54,12 @@ contact::Surface ConstraintCollector::surface(int body, const std::string& set,
                                 scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, normal);
 }
 
+contact::Surface ConstraintCollector::surfaceAtRest(int body, const std::string& set) const {
+  const PartsOfRank& parts = places_.atRest ? *places_.atRest : places_.now;
+  return contact::gatherSurface(comm_, parts.withSides({body, set}), set,
+                                scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, nullptr);
+}
+
 void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points,
                                       const std::vector<Part>& surfaces) {
   contacts_.add(points, *asked_);

@@ -95,6 +95,8 @@ class ConstraintCollector {
   /// A boundary part: the piece that is on this rank; see contact::gatherSurface(). @note Collective.
   contact::Surface surface(int body, const std::string& set,
                            const contact::NormalField& normal = nullptr) const;
+  /// The same of the bodies at rest. @note Collective.
+  contact::Surface surfaceAtRest(int body, const std::string& set) const;
 
   /// A node at which an effect that was asked before has a point between the same two bodies.
   struct Taken {
