@@ -300,6 +300,8 @@ scene::Scene sceneOf(const Application& application, const DeckContext& context)
   scene::Scene scene = application.makeScene(context);
   timeline.followAsIn(scene.timeline);
   scene.timeline = std::move(timeline);
+  if (scene.isFinite())
+    scene.timeline.bringUp();
   return scene;
 }
 

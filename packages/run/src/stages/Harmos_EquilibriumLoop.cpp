@@ -12,7 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iostream>
+#include <limits>
+#include <numeric>
 
 namespace Harmos::run {
 namespace {
@@ -20,6 +21,11 @@ namespace {
 constexpr int mostIterations = 60;
 // Of one change over the last: a tangent by which they come down more slowly is made anew.
 constexpr double contraction = 0.3;
+// And one that foretells less than half of the energy which a change leads to: what stiffens, as a beam that
+// is bent.
+constexpr double stiffening = 2.0;
+// Of √(uᵀdiag(K)u): rounding errors of strains.
+constexpr double roundoff = 1e-12;
 // Of the change that errors of a solve may be.
 constexpr double share = 0.01;
 // Of a solve: less is rounding errors.
@@ -279,17 +285,19 @@ bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer,
   return false;
 }
 
+// Whether changes have not come down, from so many iterations to as many, in the geometric mean: one by one
+// they go up and down.
 bool EquilibriumLoop::isStuck(double merit) {
-  constexpr int patience = 15;
+  constexpr std::size_t window = 8;
   constexpr double less = 0.9;
-  if (iterations_ == 1 || merit < less * progress_.least) {
-    progress_.least = merit;
-    progress_.sinceLeast = 0;
-  } else {
-    ++progress_.sinceLeast;
-  }
-  const bool isStuck =
-      progress_.sinceLeast > patience || iterations_ >= mostIterations || !std::isfinite(merit);
+  progress_.logarithms.push_back(std::log(std::max(merit, std::numeric_limits<double>::min())));
+  if (progress_.logarithms.size() > 2 * window)
+    progress_.logarithms.erase(progress_.logarithms.begin());
+  const auto middle = progress_.logarithms.begin() + window;
+  const bool isStuck = iterations_ >= mostIterations || !std::isfinite(merit) ||
+                       (progress_.logarithms.size() == 2 * window &&
+                        std::accumulate(middle, progress_.logarithms.end(), 0.0) >
+                            std::accumulate(progress_.logarithms.begin(), middle, window * std::log(less)));
   if (isStuck)
     failure_ = "Newton's iterations do not converge: the last of " + std::to_string(iterations_) +
                " changes displacements by " + scientific(merit / progress_.scale, 1) + " in the energy norm";
@@ -308,25 +316,19 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
       --iterations_;
       return outcome;
     }
+    const double foretold =
+        forces.energy + workOf(forces.internal, change.joined) + 0.5 * change.merit * change.merit;
     feti::TornVector answer;
     const bool isWhole = advance(change, answer, forces);
     if (!failure_.empty())
       return Outcome::Failed;
-    progress_.scale =
-        std::max({progress_.scale, std::sqrt(2.0 * forces.energy), iterations_ == 1 ? change.merit : 0.0});
+    progress_.scale = scaleOf(answer, forces.energy);
     tell(change.merit);
-    if (isWhole && change.merit <= context_.options.tolerance * progress_.scale) {
-      const Loads loads = loadsAt(time, answer);
-      const feti::KktAudit audited = audit(time, {answer, forces, loads, change});
-      if (agrees(audited, answer)) {
-        trial_.displacement = answer;
-        work_ = followingWork(time, answer);
-        run_.take({change.torn, answer, loads, reactions(forces, loads, change), audited});
-        trial_.slips.keep(run_.contact(), context_.report.contact);
-        return Outcome::Converged;
-      }
-    }
-    progress_.isSlow = iterations_ > 1 && change.merit > contraction * progress_.last;
+    if (isWhole && change.merit <= context_.options.tolerance * progress_.scale &&
+        hasConverged(time, answer, forces, change))
+      return Outcome::Converged;
+    progress_.isSlow = (iterations_ > 1 && change.merit > contraction * progress_.last) ||
+                       forces.energy > stiffening * foretold;
     progress_.last = change.merit;
     if (isStuck(change.merit))
       return Outcome::Failed;
@@ -335,6 +337,41 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
       save();
     isSaveDue_ = false;
   }
+}
+
+bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
+                                   const DeformedBodies::Forces& forces, const Change& change) {
+  const Loads loads = loadsAt(time, answer);
+  const feti::KktAudit audited = audit(time, {answer, forces, loads, change});
+  if (!agrees(audited, answer))
+    return false;
+  trial_.displacement = answer;
+  trial_.energy = forces.energy;
+  trial_.forceSize = audited.forces;
+  work_ = followingWork(time, answer);
+  run_.take({change.torn, answer, loads, reactions(forces, loads, change), audited});
+  trial_.slips.keep(run_.contact(), context_.report.contact);
+  return true;
+}
+
+double EquilibriumLoop::workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const {
+  double work = 0.0;
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    for (std::size_t k = 0; k < forces[i].size(); ++k)
+      work += forces[i][k] * displacement[i][k];
+  return globalSum(*context_.comm, work);
+}
+
+// √(2W), here or where the step began: what bodies that let go of all their strains come down from. Of bodies
+// that but move the scale of rounding errors by which strains are known, over the tolerance.
+double EquilibriumLoop::scaleOf(const feti::TornVector& answer, double energy) const {
+  double moved = 0.0;
+  for (std::size_t i = 0; i < answer.size(); ++i)
+    for (std::size_t k = 0; k < answer[i].size(); ++k)
+      moved += weights_[i][k] * answer[i][k] * answer[i][k];
+  moved = std::sqrt(globalSum(*context_.comm, moved));
+  return std::max({std::sqrt(2.0 * energy), std::sqrt(2.0 * committed_.energy),
+                   roundoff * moved / context_.options.tolerance});
 }
 
 void EquilibriumLoop::tell(double merit) const {
@@ -353,6 +390,8 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   torn.exchange("displacement", committed_.displacement);
   committed_.forces.exchange(archive, "forces", constraints);
   committed_.slips.exchange(*context_.comm, archive);
+  archive.number("energy", committed_.energy);
+  archive.number("size of forces", committed_.forceSize);
   bool follows = !committed_.following.empty();
   archive.number("loads follow", follows);
   if (follows)
@@ -368,10 +407,9 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.number("Newton iterations", iterations_);
   archive.number("tolerance of solves", progress_.tolerance);
   archive.number("scale of the merit", progress_.scale);
-  archive.number("least merit", progress_.least);
+  archive.numbers("logarithms of merits", progress_.logarithms);
   archive.number("last merit", progress_.last);
   archive.number("tangent is to be made anew", progress_.isSlow);
-  archive.number("iterations since the least merit", progress_.sinceLeast);
   std::size_t entries = mixing_.size();
   archive.number("iterates mixed", entries);
   int place = 0;
@@ -400,16 +438,14 @@ void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, Defor
 // Forces in balance, and nothing that penetrates, to the share that answers of small displacements are
 // allowed; of penetrations as a share of how far bodies have moved in the step.
 bool EquilibriumLoop::agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const {
-  if (getenv("HAUD"))
-    std::cerr << "AUDIT eq " << audited.equilibrium << " forces " << audited.forces << " pen "
-              << audited.penetration << " unit " << audited.unitForce << " disp "
-              << audited.largestDisplacement << "\n";
   const double allowed = feti::auditShare(context_.options.tolerance);
   const double moved = largestOf(*context_.comm, sum(answer, -1.0, committed_.displacement));
   constexpr double rounding = 1e-12;
-  // Forces of bodies that nothing strains are rounding errors.
+  // Forces of bodies that nothing strains any more are beside those that the step began with, and rounding
+  // errors of stiffness times displacement.
   return audited.equilibrium * audited.forces <=
-             allowed * audited.forces + rounding * audited.unitForce * audited.largestDisplacement &&
+             allowed * std::max(audited.forces, committed_.forceSize) +
+                 rounding * audited.unitForce * audited.largestDisplacement &&
          audited.penetration <= allowed * moved + rounding * audited.largestDisplacement;
 }
 

@@ -64,15 +64,16 @@ class EquilibriumLoop {
   struct State {
     feti::TornVector displacement;
     CarriedForces forces;
-    PointSlips slips;           // since the run began
-    feti::TornVector following; // loads that go with the bodies; none without any
+    PointSlips slips;                // since the run began
+    feti::TornVector following = {}; // loads that go with the bodies; none without any
+    double energy = 0.0, forceSize = 0.0;
   };
   // How the merit came down.
   struct Progress {
     double tolerance = 0.0; // of solves
-    double scale = 0.0, least = 0.0, last = 0.0;
-    bool isSlow = false; // the tangent is to be made anew
-    int sinceLeast = 0;
+    double scale = 0.0, last = 0.0;
+    std::vector<double> logarithms; // of the last ones
+    bool isSlow = false;            // the tangent is to be made anew
   };
   // What a quadratic program says: du in the frames, and with equal copies, without; ‖du‖_K̂.
   struct Change {
@@ -87,6 +88,10 @@ class EquilibriumLoop {
                     feti::DualSolution& solution);
   bool advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces);
   double meritOf(const feti::TornVector& change) const;
+  bool hasConverged(double time, const feti::TornVector& answer, const DeformedBodies::Forces& forces,
+                    const Change& change);
+  double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
+  double scaleOf(const feti::TornVector& answer, double energy) const;
   bool isStuck(double merit);
   void rebase(const feti::TornVector& displacement);
   std::vector<std::optional<feti::Frame>> frames() const;

@@ -64,6 +64,8 @@ class Timeline {
   double end() const { return ends_.back(); }
   /// More than one, or one whose time a deck gives.
   bool hasSteps() const { return ends_.size() > 1 || isGiven_; }
+  /// A single step is one in which loads come up, and which may be halved, not a static state.
+  void bringUp() { isGiven_ = true; }
   double smallest() const { return smallest_; }
 
   /// The name of the history that an effect follows.

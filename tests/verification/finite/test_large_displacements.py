@@ -1,0 +1,300 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bodies at large displacements, as decks have them, against the elastica and an independent solver; runs of a die that
+irons a slab: forces without jumps, on any number of ranks, stopped and restarted.
+
+What it guards against: tangents, contact search and friction that are right at rest alone; factors that are made anew
+where bodies but turn; states that a restart loses.
+"""
+
+import csv
+import math
+import os
+import signal
+import sys
+import unittest
+from pathlib import Path
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "support"), str(Path(__file__).resolve().parents[1] / "oracles")]
+
+import harmos_runs as runs  # noqa: E402
+
+try:
+    import finite_oracle
+    import h5py
+    import numpy as np
+except ImportError as error:
+    runs.skip(f"{error.name} is not installed")
+
+# Bisshopp, Drucker 1945: PL²/EI, deflection and shortening of the tip over L.
+ELASTICA = ((1.0, 0.3017, 0.0564), (2.0, 0.4935, 0.1606), (5.0, 0.7138, 0.3876), (10.0, 0.8106, 0.5550))
+
+
+def text_of(value):
+    if isinstance(value, (list, tuple)):
+        kind = {str: "string", int: "int"}.get(type(value[0]), "double")
+        return f"Array({kind})", "{" + ", ".join(map(str, value)) + "}"
+    kind = {str: "string", int: "int"}.get(type(value), "double")
+    return kind, str(value)
+
+
+def lists(tree):
+    for name, value in tree.items():
+        if isinstance(value, dict):
+            yield f'<ParameterList name="{name}">'
+            yield from lists(value)
+            yield "</ParameterList>"
+        else:
+            kind, text = text_of(value)
+            yield f'<Parameter name="{name}" type="{kind}" value="{text}"/>'
+
+
+def deck(tree):
+    path = runs.scratch("deck").with_suffix(".xml")
+    path.write_text("\n".join(lists({"harmos": tree})), encoding="utf-8")
+    return path
+
+
+def block(origin, size, parts, elements, element, material):
+    return {
+        "Source": "block", "Origin": [*origin, 0.0], "Size": [*size, 1.0], "Subdomains a side": [*parts, 1],
+        "Elements a side": [*elements, 1], "Element": element, "Materials": [material],
+    }
+
+
+def field(directory, name):
+    """Places and values of all nodes in the last result, and its cells."""
+    with h5py.File(sorted(Path(directory).glob("result*.vtkhdf"))[-1], "r") as file:
+        group = file["VTKHDF"]
+        points, values = group["Points"][:], group["PointData"][name][:]
+        first = np.concatenate([[0], np.cumsum(group["NumberOfPoints"][:])[:-1]])
+        cells = group["Connectivity"][:] + np.repeat(first, group["NumberOfConnectivityIds"][:])
+    return points, values, cells
+
+
+def steps_of(directory):
+    with open(Path(directory) / "steps.csv", newline="", encoding="utf-8") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+def beam(load, elements, height, tolerance=1e-6):
+    """A cantilever of length 10, built in at the left, under a load across its right end: PL²/EI."""
+    young, length = 1e6, 10.0
+    force = load * young * height**3 / 12.0 / length**2
+    return deck({
+        "Model": {"Physics": "plane stress", "Kinematics": "finite"},
+        "Materials": {"m": {"Young's modulus": young, "Poisson's ratio": 0.0}},
+        "Bodies": {"beam": block([0.0, 0.0], [length, height], [4, 1], [elements // 4, 1], "Q2", "m")},
+        "Solver": {"Tolerance": tolerance},
+        "Effects": {
+            "Traction": {"load": {"Part": "beam/right", "Density": [0.0, -force / height, 0.0]}},
+            "Prescribed displacement": {"wall": {"Part": "beam/left", "Components": ["x", "y"]}},
+        },
+    })
+
+
+def tip(directory, height):
+    points, u, _ = field(directory, "displacement")
+    at = np.argmin(np.hypot(points[:, 0] - 10.0, points[:, 1] - 0.5 * height))
+    return -u[at, 1] / 10.0, -u[at, 0] / 10.0
+
+
+class Elastica(unittest.TestCase):
+    def test_all_loads(self):
+        """Deflection and shortening to 0.1 % and half of the last digit printed; the whole load in one step, which is
+        halved where that does not converge, on one and two ranks."""
+        for np_ in (1, 2):
+            for load, down, inwards in ELASTICA:
+                run = runs.solved(self, beam(load, 40, 0.1), np=np_, program="harmos")
+                with self.subTest(load=load, ranks=np_):
+                    found = tip(run.directory, 0.1)
+                    self.assertAlmostEqual(found[0], down, delta=0.001 * down + 5e-5)
+                    self.assertAlmostEqual(found[1], inwards, delta=0.001 * inwards + 5e-5)
+
+    def test_iterations(self):
+        """At most 1.3 times those of a prototype whose tangent turns with its subdomains and mixes its iterates: a
+        cantilever 10 : 1, whose tip goes down by 6, 22 and 45 % of its length in one step, to 1e-8: 8, 18, 24."""
+        for load, most in ((0.18, 10), (0.71, 23), (1.75, 31)):
+            run = runs.solved(self, beam(load, 40, 1.0, 1e-8), np=1, program="harmos")
+            rows = steps_of(run.directory)
+            self.assertEqual(len(rows), 1)
+            self.assertLessEqual(rows[0]["newton"], most)
+            self.assertGreaterEqual(rows[0]["newton"], 4)
+
+    def test_rates(self):
+        """Tip displacements of biquadratic cells converge with h⁴, as energies do, over four meshes."""
+        meshes = (8, 16, 32, 64)
+        run = lambda n: runs.solved(self, beam(2.0, n, 0.5, 1e-9), np=1, program="harmos")  # noqa: E731
+        exact = tip(run(256).directory, 0.5)[0]
+        errors = [abs(tip(run(n).directory, 0.5)[0] - exact) for n in meshes]
+        rate = -np.polyfit(np.log(meshes), np.log(errors), 1)[0]
+        self.assertGreater(rate, 3.6, errors)
+        self.assertLess(rate, 4.4, errors)
+
+
+class OnAFloor(unittest.TestCase):
+    def test_against_the_oracle(self):
+        """A cantilever comes down on a floor and slides on: displacements of all nodes, and the force of the floor, as
+        an independent solver with the full tangent and sets of nodes has them; without a factorisation."""
+        load, floor, poisson, young = 3.0, -1.0, 0.3, 1000.0
+        path = deck({
+            "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+            "Materials": {"m": {"Young's modulus": young, "Poisson's ratio": poisson}},
+            "Bodies": {"beam": block([0.0, 0.0], [10.0, 1.0], [5, 1], [6, 3], "P1", "m")},
+            "Steps": {"Number": 4},
+            "Solver": {"Tolerance": 1e-9},
+            "Effects": {
+                "Traction": {"load": {"Part": "beam/top", "Density": [0.0, -load, 0.0]}},
+                "Obstacle": {"floor": {"Part": "beam/bottom", "Point": [0.0, floor, 0.0]}},
+                "Prescribed displacement": {"wall": {"Part": "beam/left", "Components": ["x", "y"]}},
+            },
+        })
+        expected = None
+        for np_ in (1, 2):
+            run = runs.solved(self, path, np=np_, program="harmos")
+            points, u, cells = field(run.directory, "displacement")
+            places, first, inverse = np.unique(
+                np.round(points[:, :2], 9), axis=0, return_index=True, return_inverse=True
+            )
+            if expected is None:
+                expected = self.oracle(places, inverse.ravel()[cells.reshape(-1, 3)], load, floor, young, poisson)
+            found, pressed = expected
+            size = np.abs(found).max()
+            self.assertGreater(size, 1.0)  # of a height of one
+            self.assertGreaterEqual(len(pressed), 3)
+            # Ten times the tolerance, times a condition below a hundred.
+            self.assertLess(np.abs(u[first, :2] - found).max(), 1e-6 * size)
+            last = steps_of(run.directory)[-1]
+            self.assertAlmostEqual(last["Obstacle/floor/fy"] / sum(pressed.values()), 1.0, delta=1e-6)
+            self.assertEqual(last["closed"], len(pressed))
+
+    def oracle(self, places, cells, load, floor, young, poisson):
+        body = finite_oracle.Body(places, cells, young, poisson)
+        top = sorted(np.flatnonzero(np.abs(places[:, 1] - 1.0) < 1e-9), key=lambda k: places[k, 0])
+        forces = np.zeros_like(places)
+        for left, right in zip(top[:-1], top[1:]):
+            forces[[left, right], 1] -= 0.5 * load * (places[right, 0] - places[left, 0])
+        held = np.flatnonzero(places[:, 0] < 1e-9).tolist()
+        bottom = np.flatnonzero(places[:, 1] < 1e-9).tolist()
+        return body.solve(held, forces, floor, bottom, steps=150)
+
+
+def ironing(fine, friction, steps, way):
+    """A die with a round bottom presses on a slab and is drawn along it."""
+    effects = {
+        "Contact": {"joint": {"First": "die/bottom", "Second": "slab/top"}},
+        "Prescribed displacement": {
+            "ground": {"Part": "slab/bottom", "Components": ["x", "y"]},
+            "sink": {"Part": "die/top", "Components": ["y"], "Displacement": [0.0, -0.4, 0.0], "History": "down"},
+            "push": {"Part": "die/top", "Components": ["x"], "Displacement": [way, 0.0, 0.0], "History": "right"},
+        },
+    }
+    if friction:
+        effects["Friction"] = {"rough": {"Contact": "joint", "Coefficient": friction}}
+    total = float(steps + 2)
+    return deck({
+        "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+        "Materials": {
+            "soft": {"Type": "neo-Hookean", "Young's modulus": 1.0, "Poisson's ratio": 0.3},
+            "hard": {"Type": "neo-Hookean", "Young's modulus": 10.0, "Poisson's ratio": 0.3},
+        },
+        "Bodies": {
+            "slab": block([0.0, 0.0], [6.0, 2.0], [6, 2], [4 * fine, 4 * fine], "Q1", "soft"),
+            "die": block([1.0, 2.0], [1.5, 0.8], [2, 1], [3 * fine, 3 * fine], "Q1", "hard"),
+        },
+        "Steps": {
+            "Number": steps + 2, "End time": total,
+            "Histories": {
+                "down": {"Times": [0.0, 2.0, total], "Values": [0.0, 1.0, 1.0]},
+                "right": {"Times": [0.0, 2.0, total], "Values": [0.0, 0.0, 1.0]},
+            },
+        },
+        "Solver": {"Tolerance": 1e-5},
+        "Effects": effects,
+    })
+
+
+class Ironing(unittest.TestCase):
+    def compare(self, one, other, tolerance):
+        for first, second in zip(one, other):
+            for key in ("energy", "Contact/joint/fx", "Contact/joint/fy"):
+                size = abs(second["Contact/joint/fy"]) if key != "energy" else second["energy"]
+                self.assertLess(abs(first[key] - second[key]), tolerance * size, key)
+
+    def test_forces_on_any_number_of_ranks(self):
+        """Sliding by several cells, with friction: all points slip, each with its coefficient times the pressure, and
+        forces and energies are the same on 1, 2 and 4 ranks, to a hundred tolerances: iterations stop where changes
+        are below one, and the steps' errors add up."""
+        path = ironing(1, 0.2, 6, 1.8)
+        done = {np_: runs.solved(self, path, np=np_, program="harmos").directory for np_ in (1, 2, 4)}
+        rows = {np_: steps_of(directory) for np_, directory in done.items()}
+        for np_ in (2, 4):
+            self.compare(rows[np_], rows[1], 1e-3)
+        last = rows[1][-1]
+        self.assertEqual(last["sticking"], 0)
+        self.assertGreater(last["slipping"], 4)
+        state, drag, pressure = (
+            field(done[2], name)[1] for name in ("friction_state", "friction_traction", "contact_pressure")
+        )
+        slips = state == 2
+        ratio = np.linalg.norm(drag[slips], axis=1) / pressure[slips]
+        self.assertLess(np.abs(ratio - 0.2).max(), 1e-6)  # limits are kept to rounding errors of projections, 1e-9
+        # It takes about its drag times the way.
+        self.assertGreater(last["dissipated"], 0.5 * 0.2 * last["Contact/joint/fy"] * 1.8)
+
+    def test_no_jumps_from_cell_to_cell(self):
+        """Without friction the pressing force changes by at most 2 % from step to step, of a quarter of a cell."""
+        rows = steps_of(runs.solved(self, ironing(2, 0.0, 16, 0.5), np=2, program="harmos").directory)[6:]
+        forces = [row["Contact/joint/fy"] for row in rows]
+        jumps = [abs(b - a) / a for a, b in zip(forces[:-1], forces[1:])]
+        self.assertLess(max(jumps), 0.02, forces)
+
+    def test_restart_to_the_last_bit(self):
+        """Stopped in the midst of a step, and restarted on as many ranks."""
+        path = ironing(2, 0.2, 3, 0.9)
+        whole = runs.solved(self, path, np=2, program="harmos")
+        run = runs.Background(path, {}, program="harmos")
+        self.assertTrue(run.wait_until(lambda: run.text().count("Newton iteration") > 12))
+        os.kill(run.ranks()[0], signal.SIGTERM)
+        run.end()
+        self.assertIn("--restart", run.text())
+        again = runs.start(["--restart", run.directory], 2, program="harmos")
+        self.assertEqual(again.returncode, 0, again)
+        for name in ("displacement", "stress", "contact_pressure"):
+            self.assertTrue((field(run.directory, name)[1] == field(whole.directory, name)[1]).all(), name)
+
+    def test_restart_on_other_ranks(self):
+        path = ironing(1, 0.2, 4, 1.2)
+        whole = steps_of(runs.solved(self, path, np=2, program="harmos").directory)
+        run = runs.Background(path, {}, program="harmos")
+        self.assertTrue(run.wait_until(lambda: "Step 3 of" in run.text()))
+        os.kill(run.ranks()[0], signal.SIGTERM)
+        run.end()
+        again = runs.start(["--restart", run.directory], 1, program="harmos")
+        self.assertEqual(again.returncode, 0, again)
+        self.compare(steps_of(run.directory), whole, 1e-3)
+
+
+class Failure(unittest.TestCase):
+    def test_a_step_that_cannot_be_made(self):
+        """A block of St. Venant-Kirchhoff's material that is pressed flat buckles inwards: the run ends with the
+        reason and the place, and keeps what is done."""
+        path = deck({
+            "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+            "Materials": {"m": {"Young's modulus": 1.0, "Poisson's ratio": 0.3}},
+            "Bodies": {"block": block([0.0, 0.0], [1.0, 1.0], [2, 2], [3, 3], "Q1", "m")},
+            "Steps": {"Number": 3, "Smallest step": 0.25},
+            "Effects": {"Prescribed displacement": {
+                "ground": {"Part": "block/bottom", "Components": ["x", "y"]},
+                "press": {"Part": "block/top", "Components": ["x", "y"], "Displacement": [0.0, -1.2, 0.0]},
+            }},
+        })
+        run = runs.run(path, np=2, program="harmos")
+        self.assertNotEqual(run.returncode, 0)
+        self.assertRegex(run.stderr, r"step \d of 3, from time .*(Newton's iterations do not converge|inside out)")
+        rows = steps_of(run.directory)
+        self.assertGreaterEqual(len(rows), 1)
+        self.assertTrue(all(row["converged"] == 1 and math.isfinite(row["energy"]) for row in rows))
+
+
+if __name__ == "__main__":
+    runs.main()
