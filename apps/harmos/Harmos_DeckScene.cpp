@@ -18,7 +18,8 @@ const std::vector<std::pair<std::string, scene::Physics>> physicsNames = {
 
 } // namespace
 
-void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& registry) {
+void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& registry,
+                        KinematicsChoice kinematics) {
   ParameterSpec model("Model", "Physics, name and mesh file of the scene.");
   model.choice("Physics", "plane strain",
                {{"plane strain", "elastic, no strain out of the plane"},
@@ -27,11 +28,12 @@ void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& regist
                 {"solid", "elastic, three dimensions"},
                 {"membrane", "−Δu = f in the plane, one displacement a node"}},
                "Of all bodies.");
-  model.choice(
-      "Kinematics", "small",
-      {{"small", "linear: strains and rotations are small, contacts are those of the bodies at rest"},
-       {"finite", "displacements, rotations and strains of any size; contacts slide"}},
-      "What displacements may be.");
+  if (kinematics == KinematicsChoice::Offered)
+    model.choice(
+        "Kinematics", "small",
+        {{"small", "linear: strains and rotations are small, contacts are those of the bodies at rest"},
+         {"finite", "displacements, rotations and strains of any size; contacts slide"}},
+        "What displacements may be.");
   model.text("Name", "scene", "Name of the scene in log and summary.");
   model.text("Mesh file", "",
              "Mesh file of bodies with the source \"file\", relative to the deck. A file that Gmsh reads "
@@ -50,7 +52,7 @@ scene::Scene sceneFromDeck(const DeckContext& context, const scene::EffectRegist
   for (const auto& [name, kind] : physicsNames)
     if (name == model.get<std::string>("Physics"))
       scene.physics = kind;
-  if (model.get<std::string>("Kinematics") == "finite")
+  if (model.isParameter("Kinematics") && model.get<std::string>("Kinematics") == "finite")
     scene.strains = fem::Strains::Finite;
   addBodies(context, scene);
   addBoundaryRules(context.deck, scene);

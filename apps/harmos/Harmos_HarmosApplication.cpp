@@ -7,14 +7,16 @@
 
 namespace Harmos::app {
 
-Application harmosApplication() {
+Application harmosApplication(KinematicsChoice kinematics) {
   const auto registry = std::make_shared<scene::EffectRegistry>();
   effects::registerEffects(*registry);
   registry->add(kindOfAutomaticContact());
   Application application;
   application.name = "harmos";
   application.description = "contact of elastic bodies, from a deck alone";
-  application.addParameters = [registry](ParameterSpec& deck) { addSceneParameters(deck, *registry); };
+  application.addParameters = [registry, kinematics](ParameterSpec& deck) {
+    addSceneParameters(deck, *registry, kinematics);
+  };
   application.makeScene = [registry](const DeckContext& context) {
     return sceneFromDeck(context, *registry);
   };

@@ -7,6 +7,8 @@ namespace Harmos::app {
 
 /// Any scene that a deck describes: bodies from mesh files or generators, materials, effects, output, by
 /// name.
-Application harmosApplication();
+/// @param kinematics whether displacements may be finite.
+enum class KinematicsChoice { Offered, Small };
+Application harmosApplication(KinematicsChoice kinematics = KinematicsChoice::Offered);
 
 } // namespace Harmos::app

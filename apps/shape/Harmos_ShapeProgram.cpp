@@ -18,7 +18,7 @@ namespace {
 constexpr int exitConverged = 0, exitNotConverged = 1, exitInterrupted = 4;
 
 app::Application application() {
-  app::Application application = app::harmosApplication();
+  app::Application application = app::harmosApplication(app::KinematicsChoice::Small);
   application.name = "shape";
   application.description = "the best shape of a contact surface";
   application.addParameters = [scene = application.addParameters](ParameterSpec& deck) {

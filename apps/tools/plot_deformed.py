@@ -61,7 +61,9 @@ MOST_THROUGH = 0.004
 
 
 def automatic_scale(solids):
-    """1, 2 or 5 times a power of ten, at least one, the same for all."""
+    """1, 2 or 5 times a power of ten, at least one, the same for all; 1 of finite displacements."""
+    if any(s.is_finite for s in solids):
+        return 1.0
     share = max(np.linalg.norm(s.displacement, axis=1).max() / s.extent for s in solids)
     if share == 0:
         return 1.0
@@ -207,7 +209,7 @@ def plot_deformed(solids, title, caption, look=None, names=("", ""), text=""):
         for colour, word in ((CLOSED, "closed"), (OPEN, "open"))
         if colour in states
     ]
-    words = f"displacements drawn {look.scale:g} times as large"
+    words = f"displacements drawn {look.scale:g} times as large" if look.scale != 1.0 else "displacements as they are"
     handles.append(Line2D([], [], linestyle="none", label=f"{text} \u00b7 {words}" if text else words))
     figure.legend(
         handles=handles, loc="upper center", ncol=3, fontsize=9,

@@ -11,6 +11,7 @@ import csv
 import json
 import math
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from command_line import PlotError, missing
@@ -116,6 +117,7 @@ class Solid:
     friction: np.ndarray = None
     damage: np.ndarray = None  # (points,) with adhesion, else None
     bound: np.ndarray = None  # (points,) whether adhesion acts there, broken or not, likewise
+    is_finite: bool = False  # displacements are of any size, and drawn as they are
 
     @property
     def xy(self):
@@ -249,7 +251,11 @@ def read_field(path):
 
 def read_result(path):
     """A Field or a Solid, as the displacement is a scalar or a vector."""
-    return read_with(path, parse_result)
+    result = read_with(path, parse_result)
+    summary = Path(path).parent / "summary.json"
+    if isinstance(result, Solid) and summary.is_file():
+        result.is_finite = read_summary(summary).get("kinematics") == "finite"
+    return result
 
 
 def read_with(path, parse):

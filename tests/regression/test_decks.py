@@ -67,6 +67,8 @@ def normalised(text, deck, directory):
             skipping = False
         if not skipping and not line.startswith("Peak memory"):
             lines.append(line)
+        if line.startswith("  Newton iteration"):
+            lines.pop()
         if line.startswith(WALK):
             lines[-1] = "  ..."
             if lines[-2] == "  ...":

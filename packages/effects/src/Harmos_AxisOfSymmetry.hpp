@@ -18,7 +18,7 @@ class AxisOfSymmetry : public scene::Effect {
 
   std::vector<int> bodies() const override { return bodies_; }
   bool exertsForce() const override { return false; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   /// @throws InputError for other physics.
   void check(const scene::Scene& scene) const override;
   void addPrescribed(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,

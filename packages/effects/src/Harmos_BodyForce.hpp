@@ -25,7 +25,7 @@ class BodyForce : public scene::Effect {
 
   std::vector<int> bodies() const override { return {body_}; }
   bool hasMagnitude() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   /// @throws InputError for a load of a membrane on an elastic body, and the other way round.
   void check(const scene::Scene& scene) const override;
   std::optional<Key> loadKey(const scene::Scene& scene,

@@ -25,7 +25,7 @@ class Contact : public scene::Effect {
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
   bool givesInequalities() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   bool hasMagnitude() const override { return options_.interference != 0.0; }
   void check(const scene::Scene& scene) const override;
   void addConstraints(scene::ConstraintCollector& collector) const override;

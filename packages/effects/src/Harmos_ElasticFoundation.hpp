@@ -25,7 +25,7 @@ class ElasticFoundation : public scene::Effect {
   std::vector<int> bodies() const override { return {part_.body}; }
   std::vector<int> heldBodies() const override;
   bool exertsForce() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   /// @throws InputError for membranes, and if both stiffnesses are zero or one is negative.
   void check(const scene::Scene& scene) const override;
   std::optional<Key> stiffnessKey(const scene::Scene& scene,

@@ -18,7 +18,7 @@ class Force : public scene::Effect {
   std::vector<BoundaryPart> boundaryParts() const override { return {{part_.body, part_.set, false, true}}; }
   std::vector<int> bodies() const override { return {part_.body}; }
   bool hasMagnitude() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
   std::optional<Key> loadKey(const scene::Scene& scene,
                              const scene::OwnedSubdomain& subdomain) const override;

@@ -42,7 +42,7 @@ class Friction : public scene::Effect, public scene::InterfaceLaw {
            std::string name = "");
 
   const scene::Effect& contact() const { return *contact_; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   /// @throws InputError for membranes, a contact that is not in the scene, is none, or has
   /// another friction.
   void check(const scene::Scene& scene) const override;

@@ -29,7 +29,7 @@ class LinearConstraint : public scene::Effect {
   std::vector<BoundaryPart> boundaryParts() const override;
   /// The force is that on the node of the first term, summed over the equations.
   bool exertsForce() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   bool hasMagnitude() const override;
   /// @throws InputError for components that a node does not have.
   void check(const scene::Scene& scene) const override;

@@ -25,7 +25,7 @@ class PrescribedDisplacement : public scene::Effect {
   std::vector<BoundaryPart> boundaryParts() const override { return {{part_.body, part_.set, false}}; }
   std::vector<int> bodies() const override { return {part_.body}; }
   bool hasMagnitude() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   std::vector<int> heldBodies() const override { return {part_.body}; }
   /// @throws InputError for components that a node does not have.
   void check(const scene::Scene& scene) const override;

@@ -18,7 +18,7 @@ class RigidObstacle : public scene::Effect {
 
   std::vector<BoundaryPart> boundaryParts() const override { return {{part_.body, part_.set, true}}; }
   bool givesInequalities() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
   void addConstraints(scene::ConstraintCollector& collector) const override;
 

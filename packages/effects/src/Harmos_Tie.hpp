@@ -17,7 +17,7 @@ class Tie : public scene::Effect {
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
   bool exertsForce() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   bool tiesSurfaces() const override { return true; }
   void addConstraints(scene::ConstraintCollector& collector) const override;
 

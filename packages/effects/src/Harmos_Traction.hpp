@@ -10,7 +10,7 @@ namespace Harmos::effects {
 /// per area of the body at rest and keeps its direction, and the pressure p acts on the deformed body.
 ///
 /// Guarded by tests/verification/test_elements.cpp.
-class Traction : public scene::Effect {
+class Traction : public scene::Effect, public scene::FiniteBehaviour {
  public:
   static constexpr const char* kindName = "Traction";
 
@@ -22,14 +22,16 @@ class Traction : public scene::Effect {
   std::vector<BoundaryPart> boundaryParts() const override { return {{part_.body, part_.set, true}}; }
   std::vector<int> bodies() const override { return {part_.body}; }
   bool hasMagnitude() const override { return true; }
-  bool admitsFiniteStrains() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return this; }
   void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
   std::optional<Key> loadKey(const scene::Scene& scene,
                              const scene::OwnedSubdomain& subdomain) const override;
   void addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                std::vector<double>& load) const override;
+
+  // Of finite displacements: the pressure.
   bool hasFollowingLoads() const override { return pressure_ != 0.0; }
-  void addFollowingLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
+  void addFollowingLoad(const scene::Scene& scene, const scene::OwnedSubdomain& deformed,
                         std::vector<double>& load) const override;
 
  private:

@@ -24,7 +24,7 @@ struct ElasticResponse {
 /// Both have the stiffness of Material at E = 0. Strains and stresses as in Voigt: shear strains are twice
 /// the tensor's. The first compresses without end under finite pressure: it is one of small strains.
 ///
-/// Guarded by tests/unit/fem/test_elastic_law.cpp.
+/// Guarded by tests/unit/fem/test_finite_elasticity.cpp.
 class ElasticLaw {
  public:
   ElasticLaw(const Material& material, Kinematics kinematics);

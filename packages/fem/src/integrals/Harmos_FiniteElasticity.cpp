@@ -11,10 +11,12 @@
 namespace Harmos::fem {
 namespace {
 
+enum class Needs { Forces, Tangent };
+
 // Goes from cell to cell with the strains of a displacement; visit(cell number, integrator, strain, law).
 template<class Visit>
 void visitCells(const Mesh& mesh, const Elasticity& elasticity, const std::vector<double>& displacement,
-                const Visit& visit) {
+                Needs needs, const Visit& visit) {
   const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
   CellIntegrator cell(mesh, element);
   FiniteStrain strain(mesh, cell, isProjected(mesh, elasticity));
@@ -26,9 +28,43 @@ void visitCells(const Mesh& mesh, const Elasticity& elasticity, const std::vecto
     for (std::size_t i = 0; i < values.size(); ++i)
       values[i] =
           displacement[static_cast<std::size_t>(mesh.cell(c)[i / dimension]) * dimension + i % dimension];
-    strain.update(values.data());
+    strain.update(values.data(), needs == Needs::Tangent || strain.isProjected());
     if (!visit(c, cell, strain, elasticLawOf(laws, mesh.region(c))))
       return;
+  }
+}
+
+} // namespace
+
+namespace {
+
+// f += weight BᵀS at a point. Without projection B_i δu = sym(Fᵀ(δu ⊗ ∇φ_i)): f_i = FS∇φ_i.
+void addForces(const CellIntegrator& cell, const FiniteStrain& strain, int q, const Voigt& stress,
+               std::vector<double>& f) {
+  if (strain.isProjected()) {
+    for (std::size_t r = 0; r < strain.rows(); ++r)
+      for (std::size_t j = 0; j < strain.dofs() && stress[r] != 0.0; ++j)
+        f[j] += cell.measure(q) * stress[r] * strain.row(q, r)[j];
+    return;
+  }
+  const std::size_t dimension = strain.dofs() / static_cast<std::size_t>(cell.basisSize());
+  Tensor s{}, first{};
+  for (std::size_t r = 0; r < 6; ++r)
+    s[voigtPairs[r][0]][voigtPairs[r][1]] = s[voigtPairs[r][1]][voigtPairs[r][0]] =
+        cell.measure(q) * stress[r];
+  const DeformationGradient& gradient = strain.gradient(q);
+  for (std::size_t a = 0; a < 3; ++a)
+    for (std::size_t b = 0; b < 3; ++b)
+      for (std::size_t c = 0; c < 3; ++c)
+        first[a][b] += gradient[a][c] * s[c][b];
+  for (int i = 0; i < cell.basisSize(); ++i) {
+    const Point& g = cell.gradient(i, q);
+    double* own = f.data() + static_cast<std::size_t>(i) * dimension;
+    for (std::size_t a = 0; a < dimension; ++a)
+      for (std::size_t b = 0; b < dimension; ++b)
+        own[a] += first[a][b] * g[b];
+    if (strain.hasHoop())
+      own[0] += first[2][2] * cell.value(i, q) / cell.position(q)[0];
   }
 }
 
@@ -40,22 +76,21 @@ FiniteForces finiteForces(const Mesh& mesh, const Elasticity& elasticity,
   result.internal.assign(displacement.size(), 0.0);
   result.leastJacobian = std::numeric_limits<double>::infinity();
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
-  visitCells(mesh, elasticity, displacement,
+  std::vector<double> own;
+  visitCells(mesh, elasticity, displacement, Needs::Forces,
              [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const ElasticLaw& law) {
                result.leastJacobian = std::min(result.leastJacobian, strain.leastJacobian());
                if (!(result.leastJacobian > 0.0))
                  return false;
+               own.assign(strain.dofs(), 0.0);
                for (int q = 0; q < cell.points(); ++q) {
                  const ElasticResponse response = law.at(strain.strain(q));
                  result.energy += cell.measure(q) * response.energy;
-                 for (std::size_t r = 0; r < strain.rows(); ++r) {
-                   const double stress = cell.measure(q) * response.stress[r];
-                   const double* row = strain.row(q, r);
-                   for (std::size_t j = 0; j < strain.dofs() && stress != 0.0; ++j)
-                     result.internal[static_cast<std::size_t>(mesh.cell(c)[j / dimension]) * dimension +
-                                     j % dimension] += stress * row[j];
-                 }
+                 addForces(cell, strain, q, response.stress, own);
                }
+               for (std::size_t j = 0; j < own.size(); ++j)
+                 result.internal[static_cast<std::size_t>(mesh.cell(c)[j / dimension]) * dimension +
+                                 j % dimension] += own[j];
                return true;
              });
   return result;
@@ -86,7 +121,7 @@ LocalMatrix assembleStrainTangent(const Mesh& mesh, const Elasticity& elasticity
                                   const std::vector<double>& displacement) {
   BlockAssembler assembler(mesh, mesh.dimension());
   std::vector<double> k, stress;
-  visitCells(mesh, elasticity, displacement,
+  visitCells(mesh, elasticity, displacement, Needs::Tangent,
              [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const ElasticLaw& law) {
                HARMOS_REQUIRE(strain.leastJacobian() > 0.0, "a cell is turned inside out");
                k.assign(strain.dofs() * strain.dofs(), 0.0);

@@ -31,6 +31,8 @@ class FiniteStrain {
 
   std::size_t rows() const { return rows_; }
   std::size_t dofs() const { return dofs_; }
+  bool isProjected() const { return projected_; }
+  bool hasHoop() const { return hasHoop_; }
 
   /// For the cell that the integrator has turned to. @param values its displacements, node by node.
   /// @param needsOperator whether row() will be asked.

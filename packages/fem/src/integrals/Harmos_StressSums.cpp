@@ -57,7 +57,7 @@ class CellStress {
       return;
     strain_->update();
     material_ = &stiffnessOf(stiffness_, mesh_.region(c));
-    expansion_ = elasticity_->materials[static_cast<std::size_t>(mesh_.region(c))].thermalStrain();
+    thermal_.expansion = elasticity_->materials[static_cast<std::size_t>(mesh_.region(c))].thermalStrain();
   }
 
   // For one of the solutions on the mesh.
@@ -72,9 +72,9 @@ class CellStress {
       return;
     }
     for (std::size_t r = 0; r < 6; ++r)
-      thermal_[r] = solution.temperature * expansion_[r];
-    nodal_ = solution.temperatures.get();
-    if (nodal_ != nullptr && !field_)
+      thermal_.strain[r] = solution.temperature * thermal_.expansion[r];
+    thermal_.nodal = solution.temperatures.get();
+    if (thermal_.nodal != nullptr && !field_)
       field_.emplace(mesh_, element_, elasticity_->integration);
   }
 
@@ -82,11 +82,11 @@ class CellStress {
     if constexpr (Entries == elastic) {
       if (finite_ != nullptr)
         return finite_->at(q);
-      if (nodal_ == nullptr)
-        return strain_->stress(q, values_.data(), *material_, thermal_);
-      Voigt thermal = thermal_;
+      if (thermal_.nodal == nullptr)
+        return strain_->stress(q, values_.data(), *material_, thermal_.strain);
+      Voigt thermal = thermal_.strain;
       for (std::size_t r = 0; r < 6; ++r)
-        thermal[r] += field_->at(*nodal_, number_, q) * expansion_[r];
+        thermal[r] += field_->at(*thermal_.nodal, number_, q) * thermal_.expansion[r];
       return strain_->stress(q, values_.data(), *material_, thermal);
     } else {
       Stress<Entries> flux{};
@@ -105,8 +105,7 @@ class CellStress {
   const CellIntegrator& cell_;
   std::size_t components_;
   int number_ = 0;
-  const std::vector<double>* nodal_ = nullptr; // temperatures
-  std::optional<TemperatureField> field_;      // where there are any
+  std::optional<TemperatureField> field_; // where there are any
   const Elasticity* elasticity_ = nullptr;
   std::vector<VoigtMatrix> stiffness_;
   std::unique_ptr<StrainOperator> strain_; // of small strains, or
@@ -114,7 +113,11 @@ class CellStress {
   std::vector<double> values_;
   const int* members_ = nullptr;
   const VoigtMatrix* material_ = nullptr;
-  Voigt expansion_{}, thermal_{};
+  // Strains of a degree, and of the body's rise; rises at nodes besides.
+  struct Thermal {
+    Voigt expansion{}, strain{};
+    const std::vector<double>* nodal = nullptr;
+  } thermal_;
 };
 
 template<std::size_t Entries>

@@ -75,9 +75,10 @@ Teuchos::RCP<const Constraints> DualPipeline::constraintsOf(const std::vector<Co
 void DualPipeline::decide() {
   const SubdomainSystem& system = *made_.system;
   const Constraints& constraints = *made_.constraints;
-  decided_ = options_.decided(system, constraints, traits_.usualApplications, traits_.mayLump, log_,
+  const Log log = counts_.decisions == 0 ? log_ : log_.withoutInfo(); // told once
+  decided_ = options_.decided(system, constraints, traits_.usualApplications, traits_.mayLump, log,
                               traits_.tolerance);
-  clusters_ = options_.clustersFor(system, constraints, decided_, traits_.usualApplications, log_);
+  clusters_ = options_.clustersFor(system, constraints, decided_, traits_.usualApplications, log);
   decided_.inverses.clusters = makeClusters(system, constraints, clusters_);
   ++counts_.decisions;
 }

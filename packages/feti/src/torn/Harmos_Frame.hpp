@@ -11,7 +11,7 @@ namespace Harmos::feti {
 /// T = diag(Q, Q, ...) over its nodes, K = T K' Tᵀ and R = T R'. So a body that has turned keeps its factors,
 /// and bodies that have turned by different angles share them.
 ///
-/// Guarded by tests/unit/feti/torn/test_frames.cpp.
+/// Guarded by tests/unit/feti/pipeline/test_frames.cpp.
 class Frame {
  public:
   /// @param axes Q, orthogonal; the leading block of as many components as a node has.

@@ -15,7 +15,7 @@ namespace Harmos::run {
 /// changes Σα_j (G(u_j) − u_j) are the least, in a weighted norm. What is linear in u, and holds for all
 /// G(u_j), holds for it.
 ///
-/// Guarded by tests/unit/run/test_anderson_mixing.cpp.
+/// Guarded by tests/unit/run/test_finite_displacements.cpp.
 class AndersonMixing {
  public:
   static constexpr std::size_t memory = 6;

@@ -82,7 +82,7 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
   feti::TornVector result;
   std::vector<const scene::Effect*> effects;
   for (const auto& effect : scene_.effects)
-    if (effect->hasFollowingLoads())
+    if (effect->finite() != nullptr && effect->finite()->hasFollowingLoads())
       effects.push_back(effect.get());
   if (effects.empty())
     return result;
@@ -94,7 +94,7 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
         if (std::find(bodies.begin(), bodies.end(), item.body) == bodies.end())
           continue;
         std::vector<double> load(sum.size(), 0.0);
-        effect->addFollowingLoad(scene_, item, load);
+        effect->finite()->addFollowingLoad(scene_, item, load);
         const double factor = scene_.timeline.factor(*effect, time);
         for (std::size_t k = 0; k < sum.size(); ++k)
           sum[k] += factor * load[k];

@@ -67,11 +67,14 @@ nlohmann::ordered_json auditJson(const RunReport& report) {
 
 // What was run.
 nlohmann::ordered_json headOf(const RunReport& report) {
-  return {{"harmos", {{"version", version()}, {"git", gitHash()}}},
-          {"deck", report.deck},
-          {"scene", report.scene},
-          {"bodies", report.bodies},
-          {"ranks", report.ranks}};
+  nlohmann::ordered_json json = {{"harmos", {{"version", version()}, {"git", gitHash()}}},
+                                 {"deck", report.deck},
+                                 {"scene", report.scene},
+                                 {"bodies", report.bodies},
+                                 {"ranks", report.ranks}};
+  if (report.isFinite)
+    json["kinematics"] = "finite";
+  return json;
 }
 
 double ratio(double value, double scale) {

@@ -26,6 +26,7 @@ struct RunReport : feti::SolveReport, feti::AnswerQuality {
   std::string deck;
   int ranks = 0;
   std::string scene;
+  bool isFinite = false;           ///< displacements of any size
   std::vector<std::string> bodies; ///< their names, in the order of the results' cell data
   std::vector<std::string> effects;
   std::vector<scene::EffectCost> effectCosts; ///< of each kind, once the constraints are set up

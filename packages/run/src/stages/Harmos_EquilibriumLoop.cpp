@@ -8,8 +8,6 @@
 #include "Harmos_Recovery.hpp"
 #include "Harmos_TornArchive.hpp"
 
-#include <Tpetra_MultiVector.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,11 +17,10 @@ namespace Harmos::run {
 namespace {
 
 constexpr int mostIterations = 60;
-// Of one change over the last: a tangent by which they come down more slowly is made anew.
-constexpr double contraction = 0.3;
-// And one that foretells less than half of the energy which a change leads to: what stiffens, as a beam that
-// is bent.
-constexpr double stiffening = 2.0;
+// A tangent is made anew where changes come down more slowly than by this, and what it says of the force
+// along a change is wrong by more than that share; and where bodies are stiffer along it than so many times
+// that, as a beam is that has been bent too far.
+constexpr double contraction = 0.3, wrong = 0.1, stiffening = 2.0;
 // Of √(uᵀdiag(K)u): rounding errors of strains.
 constexpr double roundoff = 1e-12;
 // Of the change that errors of a solve may be.
@@ -93,18 +90,12 @@ void EquilibriumLoop::rebase(const feti::TornVector& displacement) {
   base_ = {displacement, bodies_.tangent(displacement), false};
 }
 
-// Of the tangent, which turns with the bodies. With rows that are weighted by stiffness, dof by dof, clusters
-// or prescribed values in the matrix it stays as it is.
+// Of the tangent, which turns with the bodies. With rows that are weighted by stiffness, dof by dof, or
+// clusters it stays as it is.
 std::vector<std::optional<feti::Frame>> EquilibriumLoop::frames() const {
-  const feti::SubdomainSystem& system = run_.pipeline().system();
   if (run_.pipeline().constraints()->hasWeights() || run_.pipeline().inverses()->joined() != nullptr)
     return {};
-  std::vector<std::optional<feti::Frame>> result = bodies_.frames(base_.displacement, trial_.displacement);
-  for (std::size_t i = 0; i < result.size(); ++i)
-    if (system.dirichletForm() == feti::DirichletForm::Primal &&
-        !system.subdomain(static_cast<int>(i)).fixed.empty())
-      result[i].reset();
-  return result;
+  return bodies_.frames(base_.displacement, trial_.displacement);
 }
 
 void EquilibriumLoop::begin() {
@@ -316,8 +307,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
       --iterations_;
       return outcome;
     }
-    const double foretold =
-        forces.energy + workOf(forces.internal, change.joined) + 0.5 * change.merit * change.merit;
+    const double before = workOf(forces.internal, change.joined);
     feti::TornVector answer;
     const bool isWhole = advance(change, answer, forces);
     if (!failure_.empty())
@@ -327,8 +317,11 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
     if (isWhole && change.merit <= context_.options.tolerance * progress_.scale &&
         hasConverged(time, answer, forces, change))
       return Outcome::Converged;
-    progress_.isSlow = (iterations_ > 1 && change.merit > contraction * progress_.last) ||
-                       forces.energy > stiffening * foretold;
+    const double stiffness =
+        (workOf(forces.internal, change.joined) - before) / (change.merit * change.merit);
+    const bool isWrong = isWhole && std::abs(stiffness - 1.0) > wrong,
+               isSlow = iterations_ > 1 && change.merit > contraction * progress_.last;
+    progress_.isSlow = (isSlow && isWrong) || stiffness > stiffening;
     progress_.last = change.merit;
     if (isStuck(change.merit))
       return Outcome::Failed;

@@ -29,7 +29,7 @@ namespace Harmos::run {
 /// gaps, with rows made once more. It has failed where the merit does not come down, or cells turn inside
 /// out.
 ///
-/// All members are collective. Guarded by tests/unit/run/test_finite_displacements.cpp.
+/// All members are collective. Guarded by tests/verification/finite.
 class EquilibriumLoop {
  public:
   /// @param run set up; both to outlive it.

@@ -131,6 +131,7 @@ Solution RunStages::hand() {
 void RunStages::announce() {
   context_.report.ranks = context_.comm->getSize();
   context_.report.scene = context_.scene.name;
+  context_.report.isFinite = context_.scene.isFinite();
   for (const scene::Body& body : context_.scene.bodies)
     context_.report.bodies.push_back(body.name);
   context_.report.effects = context_.scene.effectKinds();

@@ -81,7 +81,6 @@ class RunStages : private feti::PipelineObserver {
   void solve(const feti::WarmStart* start, const Teuchos::RCP<RunMonitor>& monitor, const Log& log,
              double secondsSpent, double tolerance);
   /// The solution on the primal side, judged, and its contact states and forces.
-  void tellWhatIsAttainable();
   void recover();
   /// The fields, to a file of the output directory.
   void writeFields(const std::string& file);
@@ -134,6 +133,7 @@ class RunStages : private feti::PipelineObserver {
   void tellContact(const feti::TornSolution& solution);
   void tellForces(const feti::TornSolution& solution,
                   const std::vector<std::shared_ptr<const std::vector<double>>>* loads);
+  void tellWhatIsAttainable();
   void leaveInterrupted();
   StepRow onlyStep();
   void judgeDrift();

@@ -119,7 +119,7 @@ void requireFinite(const Scene& scene) {
                      "displacements",
                      {{"path", "Model/Kinematics"}});
   for (const auto& effect : scene.effects)
-    if (!effect->admitsFiniteStrains())
+    if (effect->finite() == nullptr)
       throw InputError(effect->label() + " does not work with \"Model/Kinematics\" = \"finite\"; remove it "
                                          "or use \"small\"",
                        {{"path", "Model/Kinematics"}});

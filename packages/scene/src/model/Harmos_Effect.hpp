@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_FiniteBehaviour.hpp"
 #include "Harmos_InterfaceLaw.hpp"
 #include "Harmos_LocalMatrix.hpp"
 #include "Harmos_OwnedSubdomain.hpp"
@@ -75,10 +76,8 @@ class Effect {
   /// Whether it has a size that a history scales over time (see Timeline): loads, prescribed values and
   /// strains that it adds are those of the factor 1.
   virtual bool hasMagnitude() const { return false; }
-  /// Whether it is one of bodies at finite displacements too: loads keep their direction and their size over
-  /// the body at rest, rows of ties and equations are those of the body at rest, those of contacts those of
-  /// the deformed one.
-  virtual bool admitsFiniteStrains() const { return false; }
+  /// What it is of bodies at finite displacements; null: it does not go with them.
+  virtual const FiniteBehaviour* finite() const { return nullptr; }
   /// @throws InputError for settings that the scene does not admit. Local; the same on all ranks.
   virtual void check(const Scene&) const {}
 
@@ -95,10 +94,6 @@ class Effect {
   virtual std::optional<Key> loadKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
   /// f += ...; a number for each dof = node · components + component.
   virtual void addLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
-  /// Whether it has loads, of finite displacements, that go with the deformed body, as pressures do; they are
-  /// not among those of addLoad() then. @param subdomain deformed; f += those at the factor one.
-  virtual bool hasFollowingLoads() const { return false; }
-  virtual void addFollowingLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
   /// Whether loads are of the force which the effect tells of, as between two sides of a cut.
   virtual bool loadsWithItsForce() const { return false; }
   /// f += those on the first side alone.

@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_FiniteBehaviour.hpp"
+
+namespace Harmos::scene {
+
+FiniteBehaviour::~FiniteBehaviour() = default;
+
+void FiniteBehaviour::addFollowingLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
+
+const FiniteBehaviour& FiniteBehaviour::plain() {
+  static const FiniteBehaviour result;
+  return result;
+}
+
+} // namespace Harmos::scene

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_OwnedSubdomain.hpp"
+
+#include <vector>
+
+namespace Harmos::scene {
+
+struct Scene;
+
+/// What an effect is of bodies at finite displacements. Its loads keep their direction, and their size over
+/// the body at rest, unless it says otherwise; rows of ties and equations are those of the body at rest,
+/// those of contacts those of the deformed one.
+class FiniteBehaviour {
+ public:
+  virtual ~FiniteBehaviour();
+
+  /// Whether it has loads that go with the deformed body, as pressures do: those are not among
+  /// Effect::addLoad() then.
+  virtual bool hasFollowingLoads() const { return false; }
+  /// @param deformed subdomain. @param load f += those at the factor one. Local.
+  virtual void addFollowingLoad(const Scene& scene, const OwnedSubdomain& deformed,
+                                std::vector<double>& load) const;
+
+  /// One without such loads.
+  static const FiniteBehaviour& plain();
+};
+
+} // namespace Harmos::scene
