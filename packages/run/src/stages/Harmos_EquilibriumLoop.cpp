@@ -268,7 +268,7 @@ bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer,
   constexpr double least = 1e-3;
   for (double part = 1.0; part > least; part *= 0.5) {
     answer = sum(trial_.displacement, part, change.joined);
-    forces = bodies_.forces(answer);
+    forces = forcesAt(answer);
     if (forces.isSound)
       return part == 1.0;
   }
@@ -298,7 +298,7 @@ bool EquilibriumLoop::isStuck(double merit) {
 EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, RunMonitor& monitor,
                                                 const std::function<void()>& save) {
   dead_ = run_.loads().loads(time);
-  DeformedBodies::Forces forces = bodies_.forces(trial_.displacement);
+  DeformedBodies::Forces forces = forcesAt(trial_.displacement);
   while (true) {
     ++iterations_;
     pose(time, forces.internal);
@@ -345,6 +345,11 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   run_.take({change.torn, answer, loads, reactions(forces, loads, change), audited});
   trial_.slips.keep(run_.contact(), context_.report.contact);
   return true;
+}
+
+DeformedBodies::Forces EquilibriumLoop::forcesAt(const feti::TornVector& displacement) const {
+  const auto scope = context_.timers.scope("assembly");
+  return bodies_.forces(displacement);
 }
 
 double EquilibriumLoop::workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const {
@@ -421,7 +426,7 @@ void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, Defor
     return;
   }
   const feti::TornVector mixed = mixing_.next(answer, change);
-  DeformedBodies::Forces ofMixed = bodies_.forces(mixed);
+  DeformedBodies::Forces ofMixed = forcesAt(mixed);
   if (!ofMixed.isSound)
     return;
   trial_.displacement = mixed;

@@ -90,6 +90,7 @@ class EquilibriumLoop {
   double meritOf(const feti::TornVector& change) const;
   bool hasConverged(double time, const feti::TornVector& answer, const DeformedBodies::Forces& forces,
                     const Change& change);
+  DeformedBodies::Forces forcesAt(const feti::TornVector& displacement) const;
   double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
   double scaleOf(const feti::TornVector& answer, double energy) const;
   bool isStuck(double merit);
