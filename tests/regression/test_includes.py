@@ -29,7 +29,7 @@ HEAVY = re.compile(rf"(?:.*/)?(?:{LIBRARIES})(?!\w*(?:_fwd\.hpp|_config\.h)$)\w*
 FORWARD = "Harmos_TrilinosVersion.hpp"
 
 # Sources of packages and apps that reach a heavy header, at most.
-MOST_SOURCES = 58
+MOST_SOURCES = 60
 
 # Headers that reach one, without "Harmos_" and ".hpp".
 SEAM = {
