@@ -201,6 +201,8 @@ want to compare its cost.
   Coulomb friction with a coefficient of {coefficient}, or are glued by springs that hold.
 * An effect that a scene does not name has no object, row, timer or memory in its run. Such a run is bit for bit that
   of a program without the class (`tests/unit/effects/test_absence.cpp`).
+* What [large displacements](scenes.md#large-displacements) cost is told there: they are no effect, but the way all
+  effects are solved.
 * The last table of each scene has the cost of each effect alone, as in the log and in `summary.json`
   (`effect_costs`).
 
