@@ -429,6 +429,16 @@ class Request(Case):
         ):
             self.assertEqual(done.stdout.count(words), 1, done)
 
+    def test_what_is_not_in_the_seconds_is_said(self):
+        """At finite displacements a step is several solves."""
+        words = "The seconds are those of one iteration a step"
+        for kinematics in ("finite", "small"):
+            plan = self.plan(
+                HARMOS / "ironing.xml", {"Model/Kinematics": kinematics}, program="harmos"
+            )
+            self.assertEqual(words in plan["printed"], kinematics == "finite")
+            self.assertEqual(plan.get("kinematics"), "finite" if kinematics == "finite" else None)
+
     def test_requests_that_make_no_sense(self):
         for words, message in (
             (["--plan", "--plan-ranks", "2,0"], "0 is not a valid number of ranks"),

@@ -2,9 +2,6 @@
 #include "Harmos_Contact.hpp"
 
 #include "Harmos_Errors.hpp"
-#include "Harmos_Exchange.hpp"
-#include "Harmos_Log.hpp"
-#include "Harmos_PointAlgebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -52,24 +49,6 @@ void Contact::check(const scene::Scene& scene) const {
                                "surfaces slide: use \"mortar\" or \"automatic\"");
 }
 
-// Surfaces that are said to touch across a gap turn about other places than those that do: forces on coarse,
-// curved ones were off by some per cent.
-void Contact::requireHardlyAdjusted(const scene::ConstraintCollector& collector,
-                                    const std::map<std::pair<long long, int>, double>& gaps) const {
-  double largest = 0.0;
-  for (const auto& [place, gap] : gaps)
-    largest = std::max(largest, gap <= options_.adjust ? std::abs(gap) : 0.0);
-  const contact::Surface surface = collector.surfaceAtRest(pair_.first.body, pair_.first.set);
-  largest = globalMax(*surface.comm, largest);
-  constexpr double share = 1e-4;
-  const fem::Point size = difference(surface.wholeBox.high, surface.wholeBox.low);
-  const double allowed = share * std::max({size[0], size[1], size[2]});
-  if (largest > allowed)
-    throw InputError(label() + ": \"Adjust\" takes distances of up to " + scientific(largest) +
-                     " to be zero; with \"Model/Kinematics\" = \"finite\" at most " + scientific(allowed) +
-                     ", a share of the surface's extent: move the mesh, or use \"Gap\"");
-}
-
 void Contact::addConstraints(scene::ConstraintCollector& collector) const {
   std::vector<contact::ContactPoint> points =
       pair_.points(collector, SurfacePair::Purpose::Contact, options_.gap - options_.interference);
@@ -77,7 +56,11 @@ void Contact::addConstraints(scene::ConstraintCollector& collector) const {
   std::map<std::pair<long long, int>, double> atRest;
   if (options_.adjust > 0.0 && collector.isOfMoved()) {
     atRest = pair_.gapsAtRest(collector);
-    requireHardlyAdjusted(collector, atRest);
+    // Forces on coarse, curved surfaces were off by some per cent.
+    double largest = 0.0;
+    for (const auto& [place, gap] : atRest)
+      largest = std::max(largest, gap <= options_.adjust ? std::abs(gap) : 0.0);
+    pair_.requireNear(collector, largest, label() + ": \"Adjust\" takes");
   }
   for (contact::ContactPoint& point : points) {
     if (const auto gap = atRest.find({point.node, point.side}); gap != atRest.end())

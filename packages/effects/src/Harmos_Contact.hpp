@@ -31,9 +31,6 @@ class Contact : public scene::Effect {
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
  private:
-  void requireHardlyAdjusted(const scene::ConstraintCollector& collector,
-                             const std::map<std::pair<long long, int>, double>& gaps) const;
-
   SurfacePair pair_;
   Options options_;
 };

@@ -142,6 +142,13 @@ nlohmann::ordered_json shapeJson(const feti::StepShape& shape) {
           {"join_entries", shape.joinEntries}};
 }
 
+nlohmann::ordered_json ratesJson(const feti::Rates& rates) {
+  nlohmann::ordered_json json = {{"source", rates.source}};
+  for (const auto& [name, value] : feti::namedRates(rates))
+    json[name] = value;
+  return json;
+}
+
 } // namespace
 
 RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
@@ -160,6 +167,7 @@ RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const sc
   const double scenery = std::max(0.0, globalMax(*comm, run::peakMemoryMiB()) * mebi - program);
   plan.survey = survey(comm, scene, options);
   plan.survey.steps = static_cast<long long>(scene.timeline.ends().size());
+  plan.isOfIterations = scene.isFinite();
   plan.survey.secondsOfMeshes += globalMax(*comm, scene.secondsToMake);
   plan.products = expectedProducts(scene, options);
   for (int ranks : counts)
@@ -219,6 +227,11 @@ std::string planText(const RunPlan& plan) {
        << " MiB temporarily.\n"
        << "Communication per step on " << ranksText(row.ranks) << ": " << messagesText(row) << "; "
        << coarseText(row) << ".\n"
+       << (plan.isOfIterations
+               ? "Finite displacements: a step has several iterations, each with a search for contacts, "
+                 "constraints and a solve. The seconds are those of one iteration a step: a run takes a "
+                 "multiple.\n"
+               : "")
        << "Rates: " << plan.rates.source
        << ". Seconds exclude the writing of fields. Set-up times are measured here and scaled, factorisation "
           "times predicted.";
@@ -242,10 +255,10 @@ std::string planJson(const RunPlan& plan, const std::string& deck) {
   json["subdomains"] = s.subdomains.size();
   json["distinct_matrices"] = s.matrices.size();
   json["steps"] = s.steps;
+  if (plan.isOfIterations)
+    json["kinematics"] = "finite"; // seconds are of one iteration a step
   json["products"] = {plan.products.least, plan.products.most};
-  json["rates"] = {{"source", plan.rates.source}};
-  for (const auto& [name, value] : feti::namedRates(plan.rates))
-    json["rates"][name] = value;
+  json["rates"] = ratesJson(plan.rates);
   json["rows"] = nlohmann::ordered_json::array();
   for (const PlanRow& row : plan.rows) {
     const RankMemory& m = row.memory;

@@ -24,8 +24,9 @@ struct RunPlan {
   feti::Rates rates;
   ProductRange products{0, 0};
   std::vector<PlanRow> rows;
-  int recommended = -1; ///< place in rows; -1 if no row fits into the memory
-  std::string reason;   ///< a sentence
+  int recommended = -1;        ///< place in rows; -1 if no row fits into the memory
+  std::string reason;          ///< a sentence
+  bool isOfIterations = false; ///< a step is several solves, at finite displacements; seconds are of one
 };
 
 /// Surveys the scene and predicts what runs on so many ranks take, from the cost model of the dual operator

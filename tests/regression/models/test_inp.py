@@ -434,11 +434,20 @@ class Faults(unittest.TestCase):
 
     def test_what_is_taken_otherwise_is_told(self):
         lines = bricks() + CONTACT[:-2] + ["*CONTACT PAIR, INTERACTION=I1, ADJUST=NEAR", "S2, S1"]
-        done = convert(write(lines + step("*CLOAD", "105, 3, -1.", head="*STEP, NLGEOM")))
+        turns = lines + step("*DLOAD", "UPPER, CENTRIF, 4., 0., 0., 9., 0., 0., 2.", head="*STEP, NLGEOM")
+        done = convert(write(turns))
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertIn("note: ", done.stdout)
-        for word in ("ADJUST", "NLGEOM"):
-            self.assertIn(word, done.stdout)
+        for words in ("ADJUST of a node set", "NLGEOM asks for finite deformations, which Centrifugal force"):
+            self.assertIn(words, done.stdout)
+
+    def test_nlgeom_is_taken_where_all_effects_go_with_it(self):
+        for head, kinematics in (("*STEP, NLGEOM", 1), ("*STEP, NLGEOM=NO", 0), ("*STEP", 0)):
+            path = write(bricks() + step("*CLOAD", "105, 3, -1.", head=head))
+            done = convert(path)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertNotIn("NLGEOM", done.stdout)
+            deck = next(path.parent.rglob("*.xml")).read_text(encoding="utf-8")
+            self.assertEqual(deck.count('name="Kinematics" type="string" value="finite"'), kinematics, deck)
 
     def test_help_and_a_file_that_is_not_there(self):
         done = subprocess.run([TOOL, "--help"], capture_output=True, text=True, check=False)

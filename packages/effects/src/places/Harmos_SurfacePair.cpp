@@ -188,6 +188,19 @@ SurfacePair::gapsAtRest(scene::ConstraintCollector& collector) const {
   return gaps;
 }
 
+void SurfacePair::requireNear(scene::ConstraintCollector& collector, double largest,
+                              const std::string& what) const {
+  const contact::Surface surface = collector.surfaceAtRest(first.body, first.set);
+  largest = globalMax(*surface.comm, largest);
+  constexpr double share = 1e-4;
+  const fem::Point size = difference(surface.wholeBox.high, surface.wholeBox.low);
+  const double allowed = share * std::max({size[0], size[1], size[2]});
+  if (largest > allowed)
+    throw InputError(what + " distances of up to " + scientific(largest) +
+                     " to be zero; with \"Model/Kinematics\" = \"finite\" at most " + scientific(allowed) +
+                     ", a share of the surface's extent: move the mesh");
+}
+
 void SurfacePair::addTo(ParameterSpec& spec) {
   spec.text("First", "", "\"body/boundary part\" with the multipliers: the finer or softer one. Required.");
   spec.text("Second", "", "\"body/boundary part\" opposite to the first one. Required.");

@@ -43,6 +43,11 @@ struct SurfacePair {
   /// node and side: this rank's. Nothing where the surfaces never meet. @note Collective.
   std::map<std::pair<long long, int>, double> gapsAtRest(scene::ConstraintCollector& collector) const;
 
+  /// Rows that take a distance at rest to be zero turn it with no body: it has to be small at finite
+  /// displacements. @param largest of this rank. @param what takes it so. @throws InputError on all ranks
+  /// above 1e-4 of the first surface's extent. @note Collective.
+  void requireNear(scene::ConstraintCollector& collector, double largest, const std::string& what) const;
+
   static void addTo(ParameterSpec& spec);
   /// @throws InputError for parts that are not there or are the same one.
   static SurfacePair fromList(const Teuchos::ParameterList& list, const std::string& path,

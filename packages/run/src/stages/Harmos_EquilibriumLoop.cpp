@@ -297,6 +297,24 @@ bool EquilibriumLoop::isStuck(double merit) {
 
 EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, RunMonitor& monitor,
                                                 const std::function<void()>& save) {
+  const auto fail = [this](const Error& error) {
+    failure_ = error.what();
+    rebase(committed_.displacement); // the tangent may be what was wrong
+    return Outcome::Failed;
+  };
+  try {
+    return iterate(time, log, monitor, save);
+  } catch (const NumericalError& error) { // on all ranks: of a state on the way, which smaller steps avoid
+    return fail(error);
+  } catch (const InputError& error) { // of matrices, which are right at rest
+    if (!error.isAgreed())
+      throw;
+    return fail(error);
+  }
+}
+
+EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, RunMonitor& monitor,
+                                                  const std::function<void()>& save) {
   dead_ = run_.loads().loads(time);
   DeformedBodies::Forces forces = forcesAt(trial_.displacement);
   while (true) {

@@ -40,7 +40,8 @@ class EquilibriumLoop {
   enum class Outcome { Converged, Failed, Interrupted };
   /// Iterates to equilibrium at a time. @param log of the solver. @param monitor of the solves. @param save
   /// keeps the state between two iterations, when the monitor asks for it. @return of what failed, failure()
-  /// says why; what was interrupted is where it was before its last iteration. @throws what RunStages does.
+  /// says why, also where bodies on the way are none that can be solved for; what was interrupted is where it
+  /// was before its last iteration.
   Outcome solve(double time, const Log& log, RunMonitor& monitor, const std::function<void()>& save);
   void commit();
   /// For checkpoints. @param isWithinStep or after one that was committed.
@@ -81,6 +82,7 @@ class EquilibriumLoop {
     feti::TornVector joined;
     double jump = 0.0, merit = 0.0; // jump: the largest that was joined
   };
+  Outcome iterate(double time, const Log& log, RunMonitor& monitor, const std::function<void()>& save);
   scene::ContactSetup contactAt(double time, const feti::TornVector& displacement) const;
   void pose(double time, const feti::TornVector& internal);
   Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);

@@ -90,6 +90,8 @@ class ConstraintCollector {
   /// Whether nodes have one dof, and normals play no part.
   bool isScalar() const { return scene_.components() == 1; }
   /// Whether surfaces are those of deformed bodies, which may be apart for a while; those of ties are not.
+  /// Whether bodies are at finite displacements, or will be.
+  bool isOfFinite() const { return scene_.isFinite(); }
   bool isOfMoved() const { return places_.atRest && asked_ != nullptr && !asked_->tiesSurfaces(); }
 
   /// A boundary part: the piece that is on this rank; see contact::gatherSurface(). @note Collective.
