@@ -295,6 +295,49 @@ class Failure(unittest.TestCase):
         self.assertGreaterEqual(len(rows), 1)
         self.assertTrue(all(row["converged"] == 1 and math.isfinite(row["energy"]) for row in rows))
 
+    def test_states_on_the_way_that_cannot_be_solved_for(self):
+        """In four steps an iteration comes to bodies whose tangent is no stiffness: the step is halved, and the end is
+        that of sixteen steps, for the material is elastic."""
+        tree = {
+            "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+            "Materials": {"m": {"Type": "neo-Hookean", "Young's modulus": 1.0, "Poisson's ratio": 0.3}},
+            "Bodies": {"b": block([0.0, 0.0], [4.0, 0.5], [4, 1], [3, 2], "Q1", "m")},
+            "Solver": {"Tolerance": 1e-7},
+            "Effects": {
+                "Prescribed displacement": {"g": {"Part": "b/left"}},
+                "Traction": {"p": {"Part": "b/top", "Pressure": 0.004}},
+                "Force": {"f": {"Part": "b/right", "Force": [-0.003, 0.001, 0.0]}},
+            },
+        }
+        few, many = (
+            steps_of(runs.solved(self, deck(tree | {"Steps": {"Number": steps}}), np=1, program="harmos").directory)
+            for steps in (4, 16)
+        )
+        self.assertGreater(len(few), 4)
+        for key in ("energy", "Prescribed displacement/g/fx", "Prescribed displacement/g/fy"):
+            # Ten times the solver's tolerance.
+            self.assertLess(abs(few[-1][key] / many[-1][key] - 1.0), 1e-6, key)
+
+    def test_ties_across_gaps(self):
+        """Bodies tied across a gap would be strained where both turn: 1e-4 of the surface is allowed."""
+        for gap, good in ((0.02, False), (5e-5, True)):
+            run = runs.run(deck({
+                "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+                "Materials": {"m": {"Young's modulus": 1.0, "Poisson's ratio": 0.3}},
+                "Bodies": {
+                    "one": block([0.0, 0.0], [1.0, 1.0], [1, 1], [3, 3], "Q1", "m"),
+                    "two": block([0.0, 1.0 + gap], [1.0, 1.0], [1, 1], [2, 2], "Q1", "m"),
+                },
+                "Effects": {
+                    "Tie": {"bond": {"First": "two/bottom", "Second": "one/top"}},
+                    "Prescribed displacement": {"ground": {"Part": "one/bottom"}},
+                    "Force": {"pull": {"Part": "two/top", "Force": [0.01, 0.0, 0.0]}},
+                },
+            }), np=2, program="harmos")
+            self.assertEqual(run.returncode == 0, good, run.stderr)
+            if not good:
+                self.assertIn('tie "bond" takes distances of up to 2.00e-02 to be zero', run.stderr)
+
 
 if __name__ == "__main__":
     runs.main()
