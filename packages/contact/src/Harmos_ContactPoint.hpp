@@ -142,6 +142,9 @@ struct MortarOptions {
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second,
                                        const MortarOptions& options);
 
+/// The reach of a mortar coupling: as given, else a tenth of the extent of the smaller surface.
+double reachOf(const Surface& first, const Surface& second, double given);
+
 /// Of each node of the first surface that is here, whether it belongs to both surfaces, as at the tip of a
 /// crack. @note Collective.
 std::vector<char> isShared(const Surface& first, const Surface& second);

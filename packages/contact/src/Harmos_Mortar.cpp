@@ -567,10 +567,14 @@ class MortarPieces {
 
 } // namespace
 
+double reachOf(const Surface& first, const Surface& second, double given) {
+  return given > 0.0 ? given : 0.1 * std::min(extent(first), extent(second));
+}
+
 std::vector<ContactPoint> mortarPoints(const Surface& first, const Surface& second,
                                        const MortarOptions& options) {
   requireSupported(first, second, options.reach);
-  const double distance = options.reach > 0.0 ? options.reach : 0.1 * std::min(extent(first), extent(second));
+  const double distance = reachOf(first, second, options.reach);
   Surface sides;
   agree(*first.comm, [&] { sides = splitAtEdges(first); });
   const std::vector<ContactPoint> points =

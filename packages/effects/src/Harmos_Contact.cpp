@@ -2,6 +2,9 @@
 #include "Harmos_Contact.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_Log.hpp"
+#include "Harmos_Overlap.hpp"
+#include "Harmos_PointAlgebra.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -73,6 +76,20 @@ void Contact::addConstraints(scene::ConstraintCollector& collector) const {
       point.compliance = 1.0 / (options_.stiffness * point.area);
   }
   collector.addContacts(points, {{pair_.first.body, pair_.first.set}, {pair_.second.body, pair_.second.set}});
+}
+
+std::string Contact::fault(const scene::ConstraintCollector& deformed) const {
+  const contact::Surface first = deformed.surface(pair_.first.body, pair_.first.set),
+                         second = deformed.surface(pair_.second.body, pair_.second.set);
+  const double reach = pair_.reachFor(first, second, options_.gap - options_.interference);
+  std::optional<fem::Point> place =
+      contact::deepOverlap(first, deformed.subdomainsOf(pair_.second.body), reach);
+  if (!place)
+    place = contact::deepOverlap(second, deformed.subdomainsOf(pair_.first.body), reach);
+  return !place ? std::string()
+                : label() + ": " + first.name + " and " + second.name + " overlap at " + placeText(*place) +
+                      " by more than " + scientific(reach) +
+                      ", within which counterparts are looked for; take smaller steps or a longer \"Reach\"";
 }
 
 } // namespace Harmos::effects

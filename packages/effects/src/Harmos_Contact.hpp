@@ -9,7 +9,7 @@ namespace Harmos::effects {
 /// say so: n·(u¹ − u²) ≤ gap, or, where the surfaces give way, ≤ gap + p/k under the pressure p.
 ///
 /// Guarded by tests/verification/test_contact_patch.cpp and tests/unit/scene/test_contact_setup.cpp.
-class Contact : public scene::Effect {
+class Contact : public scene::Effect, public scene::FiniteBehaviour {
  public:
   static constexpr const char* kindName = "Contact";
 
@@ -25,10 +25,13 @@ class Contact : public scene::Effect {
 
   std::vector<BoundaryPart> boundaryParts() const override { return pair_.parts(); }
   bool givesInequalities() const override { return true; }
-  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
+  const scene::FiniteBehaviour* finite() const override { return this; }
   bool hasMagnitude() const override { return options_.interference != 0.0; }
   void check(const scene::Scene& scene) const override;
   void addConstraints(scene::ConstraintCollector& collector) const override;
+
+  /// Of finite displacements: one body deeper in the other than the reach, where no point holds it.
+  std::string fault(const scene::ConstraintCollector& deformed) const override;
 
  private:
   SurfacePair pair_;

@@ -337,6 +337,48 @@ class Failure(unittest.TestCase):
             if not good:
                 self.assertIn('tie "bond" takes distances of up to 2.00e-02 to be zero', run.stderr)
 
+    def approach(self, stiffness, load, steps):
+        """A stiff block on a weak spring, half its size above another one, far beyond the contact's reach."""
+        return {
+            "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+            "Materials": {"m": {"Type": "neo-Hookean", "Young's modulus": 1e3, "Poisson's ratio": 0.3}},
+            "Bodies": {
+                "upper": block([0.5, 1.5], [1.0, 1.0], [1, 1], [5, 5], "Q1", "m"),
+                "lower": block([0.0, 0.0], [2.0, 1.0], [2, 1], [4, 4], "Q1", "m"),
+            },
+            "Steps": {"Number": steps},
+            "Effects": {
+                "Contact": {"joint": {"First": "upper/bottom", "Second": "lower/top", "Stiffness": stiffness}},
+                "Prescribed displacement": {
+                    "ground": {"Part": "lower/bottom"}, "guide": {"Part": "upper/top", "Components": ["x"]},
+                },
+                "Elastic foundation": {
+                    "spring": {"Part": "upper/top", "Normal stiffness": 0.02, "Tangential stiffness": 0.02},
+                },
+                "Traction": {"push": {"Part": "upper/top", "Density": [0.0, -load, 0.0]}},
+            },
+        }
+
+    def test_contacts_farther_than_their_reach(self):
+        """A step that takes a block past what the search reaches is halved; the force is that of load less spring."""
+        for steps in (1, 3):
+            run = runs.solved(self, deck(self.approach(0.0, 0.02, steps)), np=2, program="harmos")
+            force = steps_of(run.directory)[-1]["Contact/joint/fy"]
+            # The spring is shorter by 0.5 and what the blocks give way, 0.01 / 1e3 · 2.
+            self.assertAlmostEqual(force, 0.02 - 0.02 * 0.5, delta=1e-6)
+
+    def test_contacts_that_give_way_beyond_their_reach(self):
+        """A soft contact that sinks in by more is no answer: the reason names place and remedy. With a longer reach
+        penetration is what load less spring presses, (P − k_s (0.5 + d)) / k = d."""
+        tree = self.approach(0.02, 0.03, 4)
+        run = runs.run(deck(tree), np=2, program="harmos")
+        self.assertNotEqual(run.returncode, 0)
+        self.assertRegex(run.stderr, r'contact "joint": .* overlap at \(.*\) by more than 1.00e-01.*longer "Reach"')
+        tree["Effects"]["Contact"]["joint"]["Reach"] = 1.0
+        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        self.assertAlmostEqual(steps_of(run.directory)[-1]["Contact/joint/fy"], 0.02 * 0.5, delta=1e-5)
+
+
 
 if __name__ == "__main__":
     runs.main()

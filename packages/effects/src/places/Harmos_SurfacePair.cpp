@@ -163,7 +163,9 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
     matched = contact::matchNodesIfAll(one, other, contact::samePlace, joinsEdges);
   std::vector<contact::ContactPoint> points =
       matched ? std::move(*matched)
-              : contact::mortarPoints(one, other, {reach, joinsEdges, numbersOf(one, without), isMoved});
+              : contact::mortarPoints(one, other,
+                                      {isMoved ? reachFor(one, other, gap) : reach, joinsEdges,
+                                       numbersOf(one, without), isMoved});
   if (normal && !isMoved) // exact where it is known, not averaged with the other side's facets
     for (contact::ContactPoint& point : points) {
       const auto at = std::lower_bound(one.numbers.begin(), one.numbers.end(), point.node);
@@ -173,6 +175,10 @@ std::vector<contact::ContactPoint> SurfacePair::points(scene::ConstraintCollecto
   if (!isTie && !matched)
     tellOfFacets(collector, one, other, points, gap);
   return points;
+}
+
+double SurfacePair::reachFor(const contact::Surface& one, const contact::Surface& other, double gap) const {
+  return contact::reachOf(one, other, reach) + std::abs(gap);
 }
 
 std::map<std::pair<long long, int>, double>

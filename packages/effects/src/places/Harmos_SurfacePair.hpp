@@ -39,6 +39,10 @@ struct SurfacePair {
   std::vector<contact::ContactPoint> points(scene::ConstraintCollector& collector, Purpose purpose,
                                             double gap = 0.0) const;
 
+  /// How far counterparts on deformed bodies may be. @param gap to be added to distances: bodies that are to
+  /// be apart by it, or may overlap, are as near as others.
+  double reachFor(const contact::Surface& one, const contact::Surface& other, double gap) const;
+
   /// Distances of the bodies at rest at those nodes of the first surface that have counterparts there, by
   /// node and side: this rank's. Nothing where the surfaces never meet. @note Collective.
   std::map<std::pair<long long, int>, double> gapsAtRest(scene::ConstraintCollector& collector) const;

@@ -113,6 +113,19 @@ void EquilibriumLoop::commit() {
   committed_ = trial_;
 }
 
+// What effects forbid of bodies in equilibrium and do not see, as contacts that are too deep; of states on
+// the way that nothing can be asked of nothing.
+std::string EquilibriumLoop::faultOf(const feti::TornVector& displacement) const {
+  try {
+    return scene::faultOfMoved(*context_.comm, context_.scene, run_.owned(),
+                               scene::moved(run_.owned(), displacement));
+  } catch (const InputError& error) {
+    if (!error.isAgreed())
+      throw;
+    return {};
+  }
+}
+
 // Rows of how displacements change from here.
 scene::ContactSetup EquilibriumLoop::contactAt(double time, const feti::TornVector& displacement) const {
   scene::EffectCosts costs(context_.scene); // those of the set-up are told
@@ -303,7 +316,11 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
     return Outcome::Failed;
   };
   try {
-    return iterate(time, log, monitor, save);
+    const Outcome outcome = iterate(time, log, monitor, save);
+    if (const std::string fault = outcome == Outcome::Failed ? faultOf(trial_.displacement) : "";
+        !fault.empty() && failure_ != fault)
+      failure_ += "; " + fault;
+    return outcome;
   } catch (const NumericalError& error) { // on all ranks: of a state on the way, which smaller steps avoid
     return fail(error);
   } catch (const InputError& error) { // of matrices, which are right at rest
@@ -334,7 +351,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
     tell(change.merit);
     if (isWhole && change.merit <= context_.options.tolerance * progress_.scale &&
         hasConverged(time, answer, forces, change))
-      return Outcome::Converged;
+      return failure_.empty() ? Outcome::Converged : Outcome::Failed;
     const double stiffness =
         (workOf(forces.internal, change.joined) - before) / (change.merit * change.merit);
     const bool isWrong = isWhole && std::abs(stiffness - 1.0) > wrong,
@@ -356,6 +373,9 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   const feti::KktAudit audited = audit(time, {answer, forces, loads, change});
   if (!agrees(audited, answer))
     return false;
+  failure_ = faultOf(answer);
+  if (!failure_.empty())
+    return true;
   trial_.displacement = answer;
   trial_.energy = forces.energy;
   trial_.forceSize = audited.forces;

@@ -83,6 +83,7 @@ class EquilibriumLoop {
     double jump = 0.0, merit = 0.0; // jump: the largest that was joined
   };
   Outcome iterate(double time, const Log& log, RunMonitor& monitor, const std::function<void()>& save);
+  std::string faultOf(const feti::TornVector& displacement) const;
   scene::ContactSetup contactAt(double time, const feti::TornVector& displacement) const;
   void pose(double time, const feti::TornVector& internal);
   Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);

@@ -4,6 +4,7 @@
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_FiniteBehaviour.hpp"
 #include "Harmos_GlobalOrder.hpp"
 #include "Harmos_Log.hpp"
 #include "Harmos_PointAlgebra.hpp"
@@ -194,6 +195,11 @@ void ConstraintCollector::collect(const Effect& effect) {
   ++askedBefore_;
   const auto scope = costs_.scope(effect);
   effect.addConstraints(*this);
+}
+
+std::string ConstraintCollector::faultOf(const Effect& effect) {
+  asked_ = &effect;
+  return effect.finite() != nullptr ? effect.finite()->fault(*this) : std::string();
 }
 
 void ConstraintCollector::addContactRows(ContactSetup& setup, double extent) {

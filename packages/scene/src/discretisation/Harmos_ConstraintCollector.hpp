@@ -89,9 +89,9 @@ class ConstraintCollector {
 
   /// Whether nodes have one dof, and normals play no part.
   bool isScalar() const { return scene_.components() == 1; }
-  /// Whether surfaces are those of deformed bodies, which may be apart for a while; those of ties are not.
   /// Whether bodies are at finite displacements, or will be.
   bool isOfFinite() const { return scene_.isFinite(); }
+  /// Whether surfaces are those of deformed bodies, which may be apart for a while; those of ties are not.
   bool isOfMoved() const { return places_.atRest && asked_ != nullptr && !asked_->tiesSurfaces(); }
 
   /// A boundary part: the piece that is on this rank; see contact::gatherSurface(). @note Collective.
@@ -99,6 +99,9 @@ class ConstraintCollector {
                            const contact::NormalField& normal = nullptr) const;
   /// The same of the bodies at rest. @note Collective.
   contact::Surface surfaceAtRest(int body, const std::string& set) const;
+
+  /// This rank's subdomains of a body.
+  std::vector<const fem::PlacedMesh*> subdomainsOf(int body) const { return partsOfAsked().of(body); }
 
   /// A node at which an effect that was asked before has a point between the same two bodies.
   struct Taken {
@@ -178,6 +181,9 @@ class ConstraintCollector {
 
   /// Asks an effect. @note Collective.
   void collect(const Effect& effect);
+
+  /// See FiniteBehaviour::fault(). @note Collective.
+  std::string faultOf(const Effect& effect);
 
   /// All that was collected; the collector is empty then.
   /// @throws InputError on all ranks if a tie or an equation contradicts prescribed displacements.

@@ -32,4 +32,15 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
   return setUpContact(comm, scene, owned, costs);
 }
 
+std::string faultOfMoved(const Teuchos::Comm<int>& comm, const Scene& scene,
+                         const std::vector<OwnedSubdomain>& atRest,
+                         const std::vector<OwnedSubdomain>& moved) {
+  EffectCosts costs(scene);
+  ConstraintCollector collector(comm, scene, moved, costs, &atRest);
+  for (const auto& effect : scene.effects)
+    if (std::string fault = collector.faultOf(*effect); !fault.empty())
+      return fault;
+  return {};
+}
+
 } // namespace Harmos::scene

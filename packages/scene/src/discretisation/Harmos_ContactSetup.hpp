@@ -3,6 +3,8 @@
 
 #include "Harmos_ConstraintCollector.hpp"
 
+#include <string>
+
 namespace Harmos::scene {
 
 /// Collects the constraints of all effects: they gather the surfaces that they name, pair them, and make the
@@ -22,5 +24,10 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
 ContactSetup setUpMovedContact(const Teuchos::Comm<int>& comm, const Scene& scene,
                                const std::vector<OwnedSubdomain>& atRest,
                                const std::vector<OwnedSubdomain>& moved, EffectCosts& costs);
+
+/// What effects find wrong with deformed bodies in equilibrium, see FiniteBehaviour::fault(); empty: nothing.
+/// @param moved as moved() makes them. @note Collective.
+std::string faultOfMoved(const Teuchos::Comm<int>& comm, const Scene& scene,
+                         const std::vector<OwnedSubdomain>& atRest, const std::vector<OwnedSubdomain>& moved);
 
 } // namespace Harmos::scene

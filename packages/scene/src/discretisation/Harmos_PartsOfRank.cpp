@@ -14,7 +14,7 @@ const Subdomains& partOrNone(const std::map<PartsOfRank::Part, Subdomains>& all,
 
 } // namespace
 
-PartsOfRank::PartsOfRank(const std::vector<OwnedSubdomain>& owned) {
+PartsOfRank::PartsOfRank(const std::vector<OwnedSubdomain>& owned) : owned_(owned) {
   for (const OwnedSubdomain& item : owned) {
     for (const auto& set : item.mesh.sides)
       sides_[{item.body, set.first}].push_back(&item.mesh);
@@ -29,6 +29,14 @@ const std::vector<const fem::PlacedMesh*>& PartsOfRank::withSides(const Part& pa
 
 const std::vector<const OwnedSubdomain*>& PartsOfRank::withNodes(const Part& part) const {
   return partOrNone(nodes_, part);
+}
+
+std::vector<const fem::PlacedMesh*> PartsOfRank::of(int body) const {
+  std::vector<const fem::PlacedMesh*> result;
+  for (const OwnedSubdomain& item : owned_)
+    if (item.body == body)
+      result.push_back(&item.mesh);
+  return result;
 }
 
 } // namespace Harmos::scene

@@ -21,8 +21,11 @@ class PartsOfRank {
   /// Those with sides, and with nodes, of a part; none where it is not here.
   const std::vector<const fem::PlacedMesh*>& withSides(const Part& part) const;
   const std::vector<const OwnedSubdomain*>& withNodes(const Part& part) const;
+  /// All of a body.
+  std::vector<const fem::PlacedMesh*> of(int body) const;
 
  private:
+  const std::vector<OwnedSubdomain>& owned_;
   std::map<Part, std::vector<const fem::PlacedMesh*>> sides_;
   std::map<Part, std::vector<const OwnedSubdomain*>> nodes_;
 };

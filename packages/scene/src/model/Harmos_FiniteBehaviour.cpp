@@ -7,6 +7,10 @@ FiniteBehaviour::~FiniteBehaviour() = default;
 
 void FiniteBehaviour::addFollowingLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
 
+std::string FiniteBehaviour::fault(const ConstraintCollector&) const {
+  return {};
+}
+
 const FiniteBehaviour& FiniteBehaviour::plain() {
   static const FiniteBehaviour result;
   return result;

@@ -3,10 +3,12 @@
 
 #include "Harmos_OwnedSubdomain.hpp"
 
+#include <string>
 #include <vector>
 
 namespace Harmos::scene {
 
+class ConstraintCollector;
 struct Scene;
 
 /// What an effect is of bodies at finite displacements. Its loads keep their direction, and their size over
@@ -23,7 +25,12 @@ class FiniteBehaviour {
   virtual void addFollowingLoad(const Scene& scene, const OwnedSubdomain& deformed,
                                 std::vector<double>& load) const;
 
-  /// One without such loads.
+  /// What deformed bodies in equilibrium do that the effect forbids but does not see: an answer that looks
+  /// right and is not. @param deformed where they are. @return a sentence, the same on all ranks; empty:
+  /// nothing. @note Collective.
+  virtual std::string fault(const ConstraintCollector& deformed) const;
+
+  /// One without such loads or faults.
   static const FiniteBehaviour& plain();
 };
 
