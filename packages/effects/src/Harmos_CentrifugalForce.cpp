@@ -51,18 +51,33 @@ std::optional<scene::Effect::Key> CentrifugalForce::loadKey(const scene::Scene&,
   return ownKey(subdomain);
 }
 
+// Force per volume, by place.
+fem::VectorField CentrifugalForce::density() const {
+  const fem::Point axis = scaled(1.0 / norm(rotation_.axis), rotation_.axis), point = rotation_.point;
+  const double size = rotation_.massDensity * rotation_.angularVelocity * rotation_.angularVelocity;
+  return [=](const fem::Point& x) {
+    const fem::Point offset = difference(x, point);
+    return scaled(size, difference(offset, scaled(dot(offset, axis), axis)));
+  };
+}
+
 void CentrifugalForce::addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                                std::vector<double>& load) const {
-  const fem::Point axis = scaled(1.0 / norm(rotation_.axis), rotation_.axis);
-  const double size = rotation_.massDensity * rotation_.angularVelocity * rotation_.angularVelocity;
+  if (scene.isFinite())
+    return;
   const fem::PlacedMesh& placed = subdomain.mesh;
-  addTo(load, fem::assembleBodyForce(
-                  *placed.mesh, placed.anchor,
-                  [&](const fem::Point& x) {
-                    const fem::Point offset = difference(x, rotation_.point);
-                    return scaled(size, difference(offset, scaled(dot(offset, axis), axis)));
-                  },
-                  scene.bodies[static_cast<std::size_t>(body_)].integration));
+  addTo(load, fem::assembleBodyForce(*placed.mesh, placed.anchor, density(),
+                                     scene.bodies[static_cast<std::size_t>(body_)].integration));
+}
+
+void CentrifugalForce::addFollowingLoad(const scene::Scene& scene, const Deformed& subdomain,
+                                        std::vector<double>& load) const {
+  const fem::PlacedMesh &rest = subdomain.rest.mesh, &now = subdomain.now.mesh;
+  std::vector<double> displacement = now.mesh->coordinates;
+  for (std::size_t k = 0; k < displacement.size(); ++k)
+    displacement[k] -= rest.mesh->coordinates[k];
+  addTo(load, fem::assembleMovedBodyForce(*rest.mesh, rest.anchor, displacement, density(),
+                                          scene.bodies[static_cast<std::size_t>(body_)].integration));
 }
 
 } // namespace Harmos::effects

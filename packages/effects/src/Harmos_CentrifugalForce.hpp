@@ -2,14 +2,15 @@
 #pragma once
 
 #include "Harmos_EffectRegistry.hpp"
+#include "Harmos_Loads.hpp"
 
 namespace Harmos::effects {
 
 /// A body that turns about an axis at a constant speed, in axes that turn with it: f_i = ∫ ρ ω² r φ_i, r the
-/// vector from the axis.
+/// vector from the axis; of finite displacements from where the body is, over its mass at rest.
 ///
 /// Guarded by tests/unit/effects/test_centrifugal_force.cpp.
-class CentrifugalForce : public scene::Effect {
+class CentrifugalForce : public scene::Effect, public scene::FiniteBehaviour {
  public:
   static constexpr const char* kindName = "Centrifugal force";
 
@@ -23,6 +24,7 @@ class CentrifugalForce : public scene::Effect {
 
   std::vector<int> bodies() const override { return {body_}; }
   bool hasMagnitude() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return this; }
   /// @throws InputError for membranes, and for an axis of length zero or one that lies in the plane.
   void check(const scene::Scene& scene) const override;
   std::optional<Key> loadKey(const scene::Scene& scene,
@@ -30,7 +32,13 @@ class CentrifugalForce : public scene::Effect {
   void addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                std::vector<double>& load) const override;
 
+  bool hasFollowingLoads() const override { return true; }
+  void addFollowingLoad(const scene::Scene& scene, const Deformed& subdomain,
+                        std::vector<double>& load) const override;
+
  private:
+  fem::VectorField density() const;
+
   int body_;
   Rotation rotation_;
 };

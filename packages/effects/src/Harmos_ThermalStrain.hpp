@@ -6,7 +6,7 @@
 namespace Harmos::effects {
 
 /// An elastic body is warmer than when it was free of stress: f = ∫ B̄ᵀ C ε_T, and σ = C(ε̄ − ε_T). Rises of
-/// several effects add up.
+/// several effects add up. Of finite displacements there is no load: see fem::ElasticLaw.
 ///
 /// Guarded by tests/unit/fem/test_elasticity.cpp and tests/verification/test_scenes.py.
 class ThermalStrain : public scene::Effect {
@@ -20,6 +20,7 @@ class ThermalStrain : public scene::Effect {
 
   std::vector<int> bodies() const override { return {body_}; }
   bool hasMagnitude() const override { return true; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   void check(const scene::Scene& scene) const override { requireElastic(scene, label()); }
   std::optional<Key> loadKey(const scene::Scene& scene,
                              const scene::OwnedSubdomain& subdomain) const override;

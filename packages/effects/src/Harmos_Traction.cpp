@@ -54,9 +54,9 @@ void Traction::addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& s
   addTo(load, fem::assembleTraction(*placed.mesh, placed.anchor, placed.sides.at(part_.set), total));
 }
 
-void Traction::addFollowingLoad(const scene::Scene&, const scene::OwnedSubdomain& deformed,
+void Traction::addFollowingLoad(const scene::Scene&, const Deformed& subdomain,
                                 std::vector<double>& load) const {
-  const fem::PlacedMesh& placed = deformed.mesh;
+  const fem::PlacedMesh& placed = subdomain.now.mesh;
   const auto sides = placed.sides.find(part_.set);
   if (sides == placed.sides.end())
     return;

@@ -31,7 +31,7 @@ class Traction : public scene::Effect, public scene::FiniteBehaviour {
 
   // Of finite displacements: the pressure.
   bool hasFollowingLoads() const override { return pressure_ != 0.0; }
-  void addFollowingLoad(const scene::Scene& scene, const scene::OwnedSubdomain& deformed,
+  void addFollowingLoad(const scene::Scene& scene, const Deformed& subdomain,
                         std::vector<double>& load) const override;
 
  private:

@@ -28,6 +28,7 @@ const std::vector<CellType> types = {
 Material materialOf(Material::Law law) {
   Material material = Material::isotropic(3.0, 0.3);
   material.law = law;
+  material.expansion = {0.2, 0.2, 0.2};
   return material;
 }
 
@@ -37,7 +38,20 @@ Material orthotropic() {
   material.poisson = {0.3, 0.2, 0.25};
   material.shear = {1.5, 0.8, 0.6};
   material.angle = 0.5;
+  material.expansion = {0.3, 0.1, -0.2};
   return material;
+}
+
+// Temperatures of which free expansions are large.
+constexpr std::array<double, 3> rises = {0.0, 0.8, -0.5};
+
+fem::TemperatureRise warm(const fem::Mesh& mesh, double rise) {
+  if (rise == 0.0)
+    return {};
+  auto nodal = std::make_shared<std::vector<double>>();
+  for (int node = 0; node < mesh.numberOfNodes(); ++node)
+    nodal->push_back(0.3 * rise * mesh.local(node)[0]);
+  return {0.5 * rise, nodal};
 }
 
 // Off the axis, so that it can go around one.
@@ -109,6 +123,14 @@ Point large(const Point& x) {
   return {0.2 * x[0] + 0.3 * std::sin(x[1]), 0.25 * x[0] * x[1] - 0.1 * x[1], 0.1 * x[0] * x[2] - 0.2 * x[1]};
 }
 
+std::vector<std::pair<Kinematics, double>> withRises(const std::vector<Kinematics>& all) {
+  std::vector<std::pair<Kinematics, double>> result;
+  for (const Kinematics kinematics : all)
+    for (const double rise : rises)
+      result.emplace_back(kinematics, rise);
+  return result;
+}
+
 double largest(const std::vector<double>& values) {
   double result = 0.0;
   for (const double value : values)
@@ -125,20 +147,20 @@ TEST(ElasticLaw, stress_and_tangent_are_derivatives) {
   const Voigt strain = {0.3, -0.2, 0.1, 0.25, -0.15, 0.2};
   for (const Material& material :
        {materialOf(Material::Law::Linear), materialOf(Material::Law::NeoHookean), orthotropic()})
-    for (const Kinematics kinematics :
-         {Kinematics::Solid, Kinematics::PlaneStrain, Kinematics::PlaneStress, Kinematics::Axisymmetric}) {
+    for (const auto& [kinematics, rise] : withRises({Kinematics::Solid, Kinematics::PlaneStrain,
+                                                     Kinematics::PlaneStress, Kinematics::Axisymmetric})) {
       const fem::ElasticLaw law(material, kinematics);
       Voigt at = strain;
       if (kinematics != Kinematics::Solid)
         at[4] = at[5] = 0.0;
-      const fem::ElasticResponse response = law.at(at);
+      const fem::ElasticResponse response = law.at(at, rise);
       for (std::size_t r = 0; r < (kinematics == Kinematics::Solid ? 6U : 4U); ++r) {
         if (kinematics == Kinematics::PlaneStress && r == 2)
           continue; // not its own
         Voigt more = at, less = at;
         more[r] += h;
         less[r] -= h;
-        const fem::ElasticResponse above = law.at(more), below = law.at(less);
+        const fem::ElasticResponse above = law.at(more, rise), below = law.at(less, rise);
         EXPECT_NEAR(response.stress[r], (above.energy - below.energy) / (2.0 * h),
                     share * (1.0 + std::abs(response.stress[r])))
             << r;
@@ -150,8 +172,29 @@ TEST(ElasticLaw, stress_and_tangent_are_derivatives) {
       if (kinematics == Kinematics::PlaneStress) {
         Voigt whole = at;
         whole[2] = response.across;
-        EXPECT_NEAR(fem::ElasticLaw(material, Kinematics::Solid).at(whole).stress[2], 0.0, 1e-13);
+        EXPECT_NEAR(fem::ElasticLaw(material, Kinematics::Solid).at(whole, rise).stress[2], 0.0, 1e-13);
       }
+    }
+}
+
+// What is warm and held by nothing has no stress, and is as large as it expands; around it the stiffness that
+// it has at rest.
+TEST(ElasticLaw, free_expansion_has_no_stress) {
+  for (const Material& material :
+       {materialOf(Material::Law::Linear), materialOf(Material::Law::NeoHookean), orthotropic()})
+    for (const double rise : rises) {
+      const fem::ElasticLaw law(material, Kinematics::Solid);
+      const double c = std::cos(material.angle), d = std::sin(material.angle);
+      const double first = std::pow(1.0 + rise * material.expansion[0], 2),
+                   second = std::pow(1.0 + rise * material.expansion[1], 2),
+                   third = std::pow(1.0 + rise * material.expansion[2], 2);
+      const fem::ElasticResponse response =
+          law.at({0.5 * (c * c * first + d * d * second - 1.0), 0.5 * (d * d * first + c * c * second - 1.0),
+                  0.5 * (third - 1.0), c * d * (first - second), 0.0, 0.0},
+                 rise);
+      EXPECT_NEAR(response.energy, 0.0, 1e-28);
+      for (std::size_t r = 0; r < 6; ++r)
+        EXPECT_NEAR(response.stress[r], 0.0, 1e-14);
     }
 }
 
@@ -171,29 +214,32 @@ TEST(ElasticLaw, neo_hookean_uniaxial) {
 // energies of the order of one.
 TEST(FiniteElasticity, forces_are_derivatives_of_the_energy) {
   constexpr double h = 1e-5;
-  for (const Case& c : allCases()) {
-    SCOPED_TRACE(c.name());
-    const fem::Mesh mesh = meshOf(c.type, c.isAxisymmetric());
-    const std::vector<double> u = nodal(mesh, large),
-                              direction = nodal(mesh, [](const Point&x) {
-                                return Point{std::cos(3.0 * x[1]), std::sin(2.0 * x[0] + x[1]), x[0] * x[1]};
-                              });
-    std::vector<double> more = u, less = u;
-    for (std::size_t k = 0; k < u.size(); ++k) {
-      more[k] += h * direction[k];
-      less[k] -= h * direction[k];
+  for (const Case& c : allCases())
+    for (const double degrees : {rises[0], rises[1]}) {
+      SCOPED_TRACE(c.name() + ", rise " + std::to_string(degrees));
+      const fem::Mesh mesh = meshOf(c.type, c.isAxisymmetric());
+      const fem::TemperatureRise rise = warm(mesh, degrees);
+      const std::vector<double>
+          u = nodal(mesh, large),
+          direction = nodal(mesh, [](const Point&x) {
+            return Point{std::cos(3.0 * x[1]), std::sin(2.0 * x[0] + x[1]), x[0] * x[1]};
+          });
+      std::vector<double> more = u, less = u;
+      for (std::size_t k = 0; k < u.size(); ++k) {
+        more[k] += h * direction[k];
+        less[k] -= h * direction[k];
+      }
+      const fem::FiniteForces forces = fem::finiteForces(mesh, c.elasticity(), u, rise);
+      ASSERT_GT(forces.leastJacobian, 0.0);
+      double work = 0.0;
+      for (std::size_t k = 0; k < u.size(); ++k)
+        work += forces.internal[k] * direction[k];
+      const double difference = (fem::finiteForces(mesh, c.elasticity(), more, rise).energy -
+                                 fem::finiteForces(mesh, c.elasticity(), less, rise).energy) /
+                                (2.0 * h);
+      EXPECT_NEAR(work, difference, 1e-7 * std::abs(forces.energy));
+      EXPECT_GT(std::abs(work), 1e-2 * forces.energy); // it says something
     }
-    const fem::FiniteForces forces = fem::finiteForces(mesh, c.elasticity(), u);
-    ASSERT_GT(forces.leastJacobian, 0.0);
-    double work = 0.0;
-    for (std::size_t k = 0; k < u.size(); ++k)
-      work += forces.internal[k] * direction[k];
-    const double difference = (fem::finiteForces(mesh, c.elasticity(), more).energy -
-                               fem::finiteForces(mesh, c.elasticity(), less).energy) /
-                              (2.0 * h);
-    EXPECT_NEAR(work, difference, 1e-7 * std::abs(forces.energy));
-    EXPECT_GT(std::abs(work), 1e-2 * forces.energy); // it says something
-  }
 }
 
 // A body that is turned by 90° about z and moved has no stress; around an axis, moved along it.

@@ -178,6 +178,110 @@ class OnAFloor(unittest.TestCase):
         return body.solve(held, forces, floor, bottom, steps=150)
 
 
+def root(function, low, high):
+    """Of a function that rises."""
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if function(middle) < 0.0 else (low, middle)
+    return middle
+
+
+class Warmth(unittest.TestCase):
+    """Bodies that expand by as much as a fifth."""
+
+    def run_block(self, physics, law, steps=1, held=(), np_=1):
+        sides = {"left": "x", "right": "x", "bottom": "y"} if physics != "solid" else {"left": "x", "right": "x", "front": "y"}
+        body = block([0.0, 0.0], [2.0, 1.0], [2, 1], [2, 2], "Q2", "m")
+        body["Element"] = "Q2" if physics != "axisymmetric" else "P2"
+        material = {"Young's modulus": 3.0, "Poisson's ratio": 0.3, "Thermal expansion": [0.1, 0.1, 0.1]}
+        return runs.solved(self, deck({
+            "Model": {"Physics": physics, "Kinematics": "finite"},
+            "Materials": {"m": material | ({"Type": "neo-Hookean"} if law == "neo-Hookean" else {})},
+            "Bodies": {"b": body}, "Steps": {"Number": steps}, "Solver": {"Tolerance": 1e-10},
+            "Effects": {
+                "Thermal strain": {"fire": {"Body": "b", "Temperature": 2.0}},
+                "Prescribed displacement": {
+                    side: {"Part": f"b/{side}", "Components": [sides[side]]} for side in sides if side in held
+                },
+            },
+        }), np=np_, program="harmos")
+
+    def test_free_expansion(self):
+        """As large as it expands, without stress."""
+        for physics in ("plane stress", "axisymmetric", "solid"):
+            for law in ("linear", "neo-Hookean"):
+                held = {"plane stress": ("left", "bottom"), "axisymmetric": ("bottom",), "solid": ("left", "front")}[physics]
+                with self.subTest(physics=physics, law=law):
+                    run = self.run_block(physics, law, held=held, np_=2)
+                    points, u, _ = field(run.directory, "displacement")
+                    _, stress, _ = field(run.directory, "stress")
+                    free = 0.2 * points
+                    for axis in range(2 if physics != "solid" else 3):
+                        moved = u[:, axis] - free[:, axis]
+                        # Nothing holds the solid along z.
+                        self.assertLess(np.ptp(moved) if axis == 2 else np.abs(moved).max(), 1e-8)
+                    self.assertLess(np.abs(stress).max(), 1e-8 * 3.0)
+
+    def test_a_block_between_walls(self):
+        """Neo-Hookean, plane strain, held along x: F = diag(1, c, 1), F_e = F/1.2, c of σ_yy = 0. What heating works is
+        the energy that is stored, with an error of second order in the steps."""
+        mu, lame, free = 3.0 / 2.6, 3.0 * 0.3 / (1.3 * 0.4), 1.2
+
+        def kirchhoff(stretch, square):
+            return mu * (square / free**2 - 1.0) + lame * math.log(stretch / free**3)
+
+        c = root(lambda stretch: kirchhoff(stretch, stretch**2), 1.0, 2.0)
+        force = kirchhoff(c, 1.0) / (c / free**3) * c  # of Cauchy's stress over the height
+        errors = []
+        for steps in (2, 4, 8):
+            row = steps_of(self.run_block("plane strain", "neo-Hookean", steps, ("left", "right", "bottom")).directory)[-1]
+            self.assertAlmostEqual(row["Prescribed displacement/right/fx"], force, delta=1e-8)
+            errors.append(row["external_work"] / row["energy"] - 1.0)
+        rates = [math.log2(abs(errors[k] / errors[k + 1])) for k in range(2)]
+        self.assertTrue(all(1.8 < rate < 2.2 for rate in rates), (errors, rates))
+
+
+class Spinning(unittest.TestCase):
+    def test_a_bar(self):
+        """A bar that turns about its left end and is a sixth longer for that, its sides held: (F S)' + ρω²(X + u) = 0, S of
+        St. Venant and Kirchhoff's law in plane stress, by Runge and Kutta's rule from the left, shot at F S = 0."""
+        young, nu, size, length = 2.0, 0.3, 0.3, 2.0
+        confined = young / (1.0 - nu * nu)
+
+        def shot(first, steps=2000):
+            x, state, h = 0.0, (0.0, first), length / steps
+            stretch = lambda p: root(lambda f: confined * 0.5 * f * (f * f - 1.0) - p, 0.6, 3.0)  # noqa: E731
+            for _ in range(steps):
+                def slope(at, y):
+                    return stretch(y[1]) - 1.0, -size * (at + y[0])
+                k = [slope(x, state)]
+                for part in (0.5, 0.5, 1.0):
+                    k.append(slope(x + part * h, tuple(a + part * h * b for a, b in zip(state, k[-1]))))
+                state = tuple(a + h / 6.0 * (k[0][i] + 2.0 * k[1][i] + 2.0 * k[2][i] + k[3][i]) for i, a in enumerate(state))
+                x += h
+            return state
+
+        first = root(lambda p: shot(p, 200)[1], 0.0, 2.0)
+        wanted = shot(first, 200)[0]
+        run = runs.solved(self, deck({
+            "Model": {"Physics": "plane stress", "Kinematics": "finite"},
+            "Materials": {"m": {"Young's modulus": young, "Poisson's ratio": nu}},
+            "Bodies": {"bar": block([0.0, 0.0], [length, 0.1], [2, 1], [10, 1], "Q2", "m")},
+            "Solver": {"Tolerance": 1e-9},
+            "Effects": {
+                "Centrifugal force": {"spin": {"Body": "bar", "Mass density": size, "Angular velocity": 1.0}},
+                "Prescribed displacement": {
+                    "hub": {"Part": "bar/left", "Components": ["x"]},
+                    "low": {"Part": "bar/bottom", "Components": ["y"]}, "high": {"Part": "bar/top", "Components": ["y"]},
+                },
+            },
+        }), np=2, program="harmos")
+        points, u, _ = field(run.directory, "displacement")
+        self.assertGreater(wanted, 0.15 * length)
+        # Of twenty cells of second order at ends of cells, h⁴, and of the rule.
+        self.assertAlmostEqual(u[points[:, 0] == length, 0].mean(), wanted, delta=1e-5 * wanted)
+
+
 def ironing(fine, friction, steps, way):
     """A die with a round bottom presses on a slab and is drawn along it."""
     effects = {

@@ -52,7 +52,8 @@ ElasticLaw::ElasticLaw(const Material& material, Kinematics kinematics)
       stiffness_(material.stiffness(kinematics)),
       lambda_(material.young[0] * material.poisson[0] /
               ((1.0 + material.poisson[0]) * (1.0 - 2.0 * material.poisson[0]))),
-      shear_(0.5 * material.young[0] / (1.0 + material.poisson[0])) {
+      shear_(0.5 * material.young[0] / (1.0 + material.poisson[0])),
+      expansion_(material.thermalStrain()) {
   if (kinematics != Kinematics::PlaneStress)
     return;
   const VoigtMatrix whole = material.stiffness(Kinematics::Solid);
@@ -60,7 +61,53 @@ ElasticLaw::ElasticLaw(const Material& material, Kinematics kinematics)
     acrossBy_[r] = -whole[2][r] / whole[2][2];
 }
 
-ElasticResponse ElasticLaw::at(const Voigt& strain) const {
+ElasticResponse ElasticLaw::at(const Voigt& strain, double rise) const {
+  if (rise == 0.0)
+    return withoutRise(strain);
+  Tensor free{}; // F_θ
+  for (std::size_t r = 0; r < 6; ++r) {
+    const auto [i, j] = voigtPairs[r];
+    free[i][j] = free[j][i] = i == j ? 1.0 + rise * expansion_[r] : 0.5 * rise * expansion_[r];
+  }
+  const double volume = determinant(free);
+  if (!(volume > 0.0)) {
+    ElasticResponse nothing;
+    nothing.energy = std::numeric_limits<double>::quiet_NaN();
+    return nothing;
+  }
+  const Tensor inverse = inverseTransposed(free, volume), square = product(free, free);
+  VoigtMatrix turning{}; // E_e of E less that of the free expansion
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t s = 0; s < 6; ++s) {
+      const auto [i, j] = voigtPairs[r];
+      const auto [k, l] = voigtPairs[s];
+      turning[r][s] =
+          (r < 3 ? 1.0 : 2.0) * 0.5 * (inverse[i][k] * inverse[j][l] + inverse[i][l] * inverse[j][k]);
+    }
+  Voigt freely{}, elastic{};
+  for (std::size_t r = 0; r < 6; ++r) {
+    const auto [i, j] = voigtPairs[r];
+    freely[r] = i == j ? 0.5 * (square[i][j] - 1.0) : square[i][j];
+  }
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t s = 0; s < 6; ++s)
+      elastic[r] += turning[r][s] * (strain[s] - freely[s]);
+  const ElasticResponse held = withoutRise(elastic);
+  ElasticResponse response;
+  response.energy = volume * held.energy;
+  response.across =
+      kinematics_ == Kinematics::PlaneStress ? freely[2] + square[2][2] * held.across : strain[2];
+  for (std::size_t r = 0; r < 6; ++r)
+    for (std::size_t a = 0; a < 6; ++a) {
+      response.stress[r] += volume * turning[a][r] * held.stress[a];
+      for (std::size_t s = 0; s < 6; ++s)
+        for (std::size_t b = 0; b < 6; ++b)
+          response.tangent[r][s] += volume * turning[a][r] * held.tangent[a][b] * turning[b][s];
+    }
+  return response;
+}
+
+ElasticResponse ElasticLaw::withoutRise(const Voigt& strain) const {
   return law_ == Material::Law::NeoHookean ? neoHookean(strain) : linear(strain);
 }
 

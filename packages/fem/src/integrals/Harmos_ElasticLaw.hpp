@@ -21,6 +21,10 @@ struct ElasticResponse {
 ///     linear (St. Venant–Kirchhoff)  W = ½E:C:E, C of any symmetry
 ///     neo-Hookean                    W = ½μ(tr C − 3) − μ ln J + ½λ ln²J,  C = FᵀF, J² = det C
 ///
+/// A material that is warmer has stress where it is held in its free expansion F_θ = I + ε_θ, symmetric: with
+/// F = F_e F_θ the energy is det F_θ W(E_e), E_e = F_θ⁻¹(E − ½(F_θ² − I))F_θ⁻¹ (Lubarda: Constitutive
+/// theories based on the multiplicative decomposition of deformation gradient, Appl. Mech. Rev. 57, 2004).
+///
 /// Both have the stiffness of Material at E = 0. Strains and stresses as in Voigt: shear strains are twice
 /// the tensor's. The first compresses without end under finite pressure: it is one of small strains.
 ///
@@ -29,11 +33,12 @@ class ElasticLaw {
  public:
   ElasticLaw(const Material& material, Kinematics kinematics);
 
-  /// @param strain E; in plane stress without use of its entry zz.
-  /// @return an energy that is no number where C is not positive definite. Local.
-  ElasticResponse at(const Voigt& strain) const;
+  /// @param strain E; in plane stress without use of its entry zz. @param rise of the temperature.
+  /// @return an energy that is no number where C, or the free expansion, is not positive definite. Local.
+  ElasticResponse at(const Voigt& strain, double rise = 0.0) const;
 
  private:
+  ElasticResponse withoutRise(const Voigt& strain) const;
   ElasticResponse linear(const Voigt& strain) const;
   ElasticResponse neoHookean(const Voigt& strain) const;
   double stretchWithoutStress(const Voigt& strain) const;
@@ -43,6 +48,7 @@ class ElasticLaw {
   VoigtMatrix stiffness_; // of the kinematics
   Voigt acrossBy_{};      // E_zz by the other strains, plane stress
   double lambda_, shear_; // Lamé's, of neo-Hookean materials
+  Voigt expansion_;       // ε_θ of one degree
 };
 
 /// What a Newton iteration takes for the tangent that has the rigid motions of the deformed body as its

@@ -5,6 +5,7 @@
 #include "Harmos_Material.hpp"
 #include "Harmos_Mesh.hpp"
 
+#include <memory>
 #include <vector>
 
 namespace Harmos::fem {
@@ -40,6 +41,13 @@ struct Elasticity {
   std::vector<Material> materials; ///< of each region
   Integration integration = Integration::Full;
   Strains strains = Strains::Small; ///< of stresses; matrices and loads of this page are those of small ones
+};
+
+/// By how much warmer a mesh is than when it was free of stress: all of it, and at its nodes besides, see
+/// TemperatureField; null: none.
+struct TemperatureRise {
+  double uniform = 0.0;
+  std::shared_ptr<const std::vector<double>> nodal = nullptr;
 };
 
 /// Degree of the quadrature of stiffness matrices: on curved or distorted cells none is exact; the full one

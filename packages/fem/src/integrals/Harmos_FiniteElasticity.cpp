@@ -4,32 +4,49 @@
 #include "Harmos_ElasticLaw.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_FiniteStrain.hpp"
+#include "Harmos_StrainOperator.hpp"
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 namespace Harmos::fem {
 namespace {
 
 enum class Needs { Forces, Tangent };
 
-// Goes from cell to cell with the strains of a displacement; visit(cell number, integrator, strain, law).
+// Of all nodes.
+struct Given {
+  const std::vector<double>& displacement;
+  const TemperatureRise& rise;
+};
+
+// Goes from cell to cell with the strains of a displacement; visit(cell number, integrator, strain,
+// response at point q).
 template<class Visit>
-void visitCells(const Mesh& mesh, const Elasticity& elasticity, const std::vector<double>& displacement,
-                Needs needs, const Visit& visit) {
+void visitCells(const Mesh& mesh, const Elasticity& elasticity, const Given& given, Needs needs,
+                const Visit& visit) {
   const ReferenceElement element(mesh.cellType, stiffnessDegree(mesh, elasticity.integration));
   CellIntegrator cell(mesh, element);
   FiniteStrain strain(mesh, cell, isProjected(mesh, elasticity));
   const std::vector<ElasticLaw> laws = elasticLaws(elasticity);
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
+  std::optional<TemperatureField> field;
+  if (given.rise.nodal)
+    field.emplace(mesh, element, elasticity.integration);
   std::vector<double> values(strain.dofs());
   for (int c = 0; c < mesh.numberOfCells(); ++c) {
     cell.turnTo(c);
     for (std::size_t i = 0; i < values.size(); ++i)
-      values[i] =
-          displacement[static_cast<std::size_t>(mesh.cell(c)[i / dimension]) * dimension + i % dimension];
+      values[i] = given.displacement[static_cast<std::size_t>(mesh.cell(c)[i / dimension]) * dimension +
+                                     i % dimension];
     strain.update(values.data(), needs == Needs::Tangent || strain.isProjected());
-    if (!visit(c, cell, strain, elasticLawOf(laws, mesh.region(c))))
+    const ElasticLaw& law = elasticLawOf(laws, mesh.region(c));
+    const auto responseAt = [&](int q) {
+      return law.at(strain.strain(q),
+                    given.rise.uniform + (field ? field->at(*given.rise.nodal, c, q) : 0.0));
+    };
+    if (!visit(c, cell, strain, responseAt))
       return;
   }
 }
@@ -71,20 +88,20 @@ void addForces(const CellIntegrator& cell, const FiniteStrain& strain, int q, co
 } // namespace
 
 FiniteForces finiteForces(const Mesh& mesh, const Elasticity& elasticity,
-                          const std::vector<double>& displacement) {
+                          const std::vector<double>& displacement, const TemperatureRise& rise) {
   FiniteForces result;
   result.internal.assign(displacement.size(), 0.0);
   result.leastJacobian = std::numeric_limits<double>::infinity();
   const auto dimension = static_cast<std::size_t>(mesh.dimension());
   std::vector<double> own;
-  visitCells(mesh, elasticity, displacement, Needs::Forces,
-             [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const ElasticLaw& law) {
+  visitCells(mesh, elasticity, {displacement, rise}, Needs::Forces,
+             [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const auto& responseAt) {
                result.leastJacobian = std::min(result.leastJacobian, strain.leastJacobian());
                if (!(result.leastJacobian > 0.0))
                  return false;
                own.assign(strain.dofs(), 0.0);
                for (int q = 0; q < cell.points(); ++q) {
-                 const ElasticResponse response = law.at(strain.strain(q));
+                 const ElasticResponse response = responseAt(q);
                  result.energy += cell.measure(q) * response.energy;
                  addForces(cell, strain, q, response.stress, own);
                }
@@ -118,18 +135,17 @@ void addProduct(const FiniteStrain& strain, int q, double weight, const VoigtMat
 } // namespace
 
 LocalMatrix assembleStrainTangent(const Mesh& mesh, const Elasticity& elasticity,
-                                  const std::vector<double>& displacement) {
+                                  const std::vector<double>& displacement, const TemperatureRise& rise) {
   BlockAssembler assembler(mesh, mesh.dimension());
   std::vector<double> k, stress;
-  visitCells(mesh, elasticity, displacement, Needs::Tangent,
-             [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const ElasticLaw& law) {
+  visitCells(mesh, elasticity, {displacement, rise}, Needs::Tangent,
+             [&](int c, const CellIntegrator& cell, const FiniteStrain& strain, const auto& responseAt) {
                HARMOS_REQUIRE(strain.leastJacobian() > 0.0, "a cell is turned inside out");
                k.assign(strain.dofs() * strain.dofs(), 0.0);
                stress.resize(strain.rows() * strain.dofs());
                for (int q = 0; q < cell.points(); ++q)
                  addProduct(strain, q, cell.measure(q),
-                            strainTangent(law.at(strain.strain(q)), strain.strain(q), elasticity.kinematics),
-                            stress, k);
+                            strainTangent(responseAt(q), strain.strain(q), elasticity.kinematics), stress, k);
                assembler.add(c, k);
                return true;
              });

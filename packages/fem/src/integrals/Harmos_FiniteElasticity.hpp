@@ -17,9 +17,10 @@ struct FiniteForces {
 };
 
 /// Forces and energy. @param elasticity materials as of ElasticLaw. @param displacement of all nodes.
+/// @param rise of temperatures.
 /// @throws NumericalError for cells that are inverted at rest. Local.
 FiniteForces finiteForces(const Mesh& mesh, const Elasticity& elasticity,
-                          const std::vector<double>& displacement);
+                          const std::vector<double>& displacement, const TemperatureRise& rise = {});
 
 /// The tangent as far as strains alone feel it, ∫B(u)ᵀDB(u), D of strainTangent(): symmetric, positive
 /// semidefinite as far as ∂S/∂E is, its kernel the rigid motions of the deformed mesh (FiniteStrain); graph
@@ -27,6 +28,6 @@ FiniteForces finiteForces(const Mesh& mesh, const Elasticity& elasticity,
 /// @throws InternalError where a cell is turned inside out. Local.
 /// Guarded by tests/unit/fem/test_finite_elasticity.cpp.
 LocalMatrix assembleStrainTangent(const Mesh& mesh, const Elasticity& elasticity,
-                                  const std::vector<double>& displacement);
+                                  const std::vector<double>& displacement, const TemperatureRise& rise = {});
 
 } // namespace Harmos::fem

@@ -10,11 +10,11 @@ FiniteStress::FiniteStress(const Mesh& mesh, const CellIntegrator& cell, const E
       strain_(mesh, cell, isProjected(mesh, elasticity)),
       laws_(elasticLaws(elasticity)) {}
 
-Voigt FiniteStress::at(int q) const {
+Voigt FiniteStress::at(int q, double rise) const {
   Voigt stress{};
   if (!(strain_.leastJacobian() > 0.0))
     return stress;
-  const ElasticResponse response = law_->at(strain_.strain(q));
+  const ElasticResponse response = law_->at(strain_.strain(q), rise);
   DeformationGradient f = strain_.gradient(q);
   for (auto& row : f)
     for (double& entry : row)

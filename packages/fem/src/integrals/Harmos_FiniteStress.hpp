@@ -17,8 +17,8 @@ class FiniteStress {
   void turnTo(int region) { law_ = &elasticLawOf(laws_, region); }
   /// @param values the cell's displacements, node by node.
   void update(const double* values) { strain_.update(values, false); }
-  /// Zero where the cell is turned inside out.
-  Voigt at(int q) const;
+  /// Zero where the cell is turned inside out. @param rise of the temperature there.
+  Voigt at(int q, double rise) const;
 
  private:
   bool isPlaneStress_;

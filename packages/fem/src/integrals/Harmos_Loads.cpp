@@ -26,8 +26,11 @@ void addLoad(const CellIntegrator& cell, const int* nodes, std::size_t dimension
 
 } // namespace
 
-std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force,
-                                      Integration integration) {
+namespace {
+
+// @param displacement or null.
+std::vector<double> bodyForce(const Mesh& mesh, const Point& anchor, const std::vector<double>* displacement,
+                              const VectorField& force, Integration integration) {
   const CellShape& shape = shapeOf(mesh.cellType);
   const bool isReduced = integration == Integration::Reduced && shape.isSerendipity;
   const ReferenceElement element(mesh.cellType,
@@ -41,10 +44,27 @@ std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, con
       Point x = cell.position(q);
       for (std::size_t d = 0; d < 3; ++d)
         x[d] += anchor[d];
+      for (int i = 0; i < cell.basisSize() && displacement != nullptr; ++i)
+        for (std::size_t d = 0; d < dimension; ++d)
+          x[d] +=
+              cell.value(i, q) * (*displacement)[static_cast<std::size_t>(mesh.cell(c)[i]) * dimension + d];
       addLoad(cell, mesh.cell(c), dimension, q, force(x), f);
     }
   }
   return f;
+}
+
+} // namespace
+
+std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force,
+                                      Integration integration) {
+  return bodyForce(mesh, anchor, nullptr, force, integration);
+}
+
+std::vector<double> assembleMovedBodyForce(const Mesh& mesh, const Point& anchor,
+                                           const std::vector<double>& displacement, const VectorField& force,
+                                           Integration integration) {
+  return bodyForce(mesh, anchor, &displacement, force, integration);
 }
 
 void visitSides(const Mesh& mesh, const std::vector<Side>& sides, int degree,

@@ -17,6 +17,12 @@ using VectorField = std::function<Point(const Point&)>;
 std::vector<double> assembleBodyForce(const Mesh& mesh, const Point& anchor, const VectorField& force,
                                       Integration integration = Integration::Full);
 
+/// The same of a body that has moved: b of where it is, over the body at rest. @param displacement of all
+/// nodes.
+std::vector<double> assembleMovedBodyForce(const Mesh& mesh, const Point& anchor,
+                                           const std::vector<double>& displacement, const VectorField& force,
+                                           Integration integration = Integration::Full);
+
 /// A quadrature point of a side.
 struct SidePoint {
   std::vector<int> nodes;     ///< of the side

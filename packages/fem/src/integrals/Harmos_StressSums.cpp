@@ -67,21 +67,21 @@ class CellStress {
     for (int i = 0; i < cell_.basisSize(); ++i)
       for (std::size_t d = 0; d < components_; ++d)
         *next++ = all[static_cast<std::size_t>(members_[i]) * components_ + d];
-    if (finite_ != nullptr) {
-      finite_->update(values_.data());
-      return;
-    }
+    thermal_.rise = solution.temperature;
     for (std::size_t r = 0; r < 6; ++r)
       thermal_.strain[r] = solution.temperature * thermal_.expansion[r];
     thermal_.nodal = solution.temperatures.get();
     if (thermal_.nodal != nullptr && !field_)
       field_.emplace(mesh_, element_, elasticity_->integration);
+    if (finite_ != nullptr)
+      finite_->update(values_.data());
   }
 
   Stress<Entries> at(int q) const {
     if constexpr (Entries == elastic) {
       if (finite_ != nullptr)
-        return finite_->at(q);
+        return finite_->at(
+            q, thermal_.rise + (thermal_.nodal != nullptr ? field_->at(*thermal_.nodal, number_, q) : 0.0));
       if (thermal_.nodal == nullptr)
         return strain_->stress(q, values_.data(), *material_, thermal_.strain);
       Voigt thermal = thermal_.strain;
@@ -115,6 +115,7 @@ class CellStress {
   const VoigtMatrix* material_ = nullptr;
   // Strains of a degree, and of the body's rise; rises at nodes besides.
   struct Thermal {
+    double rise = 0.0;
     Voigt expansion{}, strain{};
     const std::vector<double>* nodal = nullptr;
   } thermal_;

@@ -50,16 +50,27 @@ DeformedBodies::DeformedBodies(const Teuchos::Comm<int>& comm, const scene::Scen
   });
 }
 
-DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displacement) const {
+// Of each subdomain.
+std::vector<fem::TemperatureRise> DeformedBodies::risesAt(double time) const {
+  const std::vector<double> ofBodies = scene_.temperatureRises(time);
+  std::vector<fem::TemperatureRise> result;
+  for (const scene::OwnedSubdomain& item : atRest_)
+    result.push_back({ofBodies[static_cast<std::size_t>(item.body)], scene_.nodalRises(item, time)});
+  return result;
+}
+
+DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displacement, double time) const {
   Forces result;
   double energy = 0.0;
   long long unsound = 0;
   agree(comm_, [&] {
+    const std::vector<fem::TemperatureRise> rises = risesAt(time);
     for (std::size_t i = 0; i < atRest_.size() && unsound == 0; ++i) {
       const scene::OwnedSubdomain& item = atRest_[i];
       const std::vector<double>& u = displacement[i];
       fem::FiniteForces forces = fem::finiteForces(
-          *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]), u);
+          *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]), u,
+          rises[i]);
       unsound += forces.leastJacobian > 0.0 && std::isfinite(forces.energy) ? 0 : 1;
       energy += forces.energy;
       if (springs_[i]) {
@@ -87,14 +98,15 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
   if (effects.empty())
     return result;
   agree(comm_, [&] {
-    for (const scene::OwnedSubdomain& item : scene::moved(atRest_, displacement)) {
+    const std::vector<scene::OwnedSubdomain> moved = scene::moved(atRest_, displacement);
+    for (const scene::OwnedSubdomain& item : moved) {
       std::vector<double>& sum = result.emplace_back(displacement[result.size()].size(), 0.0);
       for (const scene::Effect* effect : effects) {
         const std::vector<int> bodies = effect->bodies();
         if (std::find(bodies.begin(), bodies.end(), item.body) == bodies.end())
           continue;
         std::vector<double> load(sum.size(), 0.0);
-        effect->finite()->addFollowingLoad(scene_, item, load);
+        effect->finite()->addFollowingLoad(scene_, {atRest_[result.size() - 1], item}, load);
         const double factor = scene_.timeline.factor(*effect, time);
         for (std::size_t k = 0; k < sum.size(); ++k)
           sum[k] += factor * load[k];
@@ -104,14 +116,15 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
   return result;
 }
 
-DeformedBodies::Tangent DeformedBodies::tangent(const feti::TornVector& displacement) const {
+DeformedBodies::Tangent DeformedBodies::tangent(const feti::TornVector& displacement, double time) const {
   Tangent result;
   agree(comm_, [&] {
+    const std::vector<fem::TemperatureRise> rises = risesAt(time);
     for (std::size_t i = 0; i < atRest_.size(); ++i) {
       const scene::OwnedSubdomain& item = atRest_[i];
       LocalMatrix matrix = fem::assembleStrainTangent(
           *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]),
-          displacement[i]);
+          displacement[i], rises[i]);
       feti::Kernel kernel = kernelOf(*item.mesh.mesh, displacement[i]);
       if (springs_[i]) {
         kernel = feti::keptKernel(kernel, *springs_[i]);

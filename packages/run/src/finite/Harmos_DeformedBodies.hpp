@@ -28,8 +28,8 @@ class DeformedBodies {
     double energy = 0.0;       ///< stored, of all ranks
     bool isSound = true;       ///< no cell is turned inside out, on any rank; else nothing else is of use
   };
-  /// @throws NumericalError on all ranks for cells that are inverted at rest.
-  Forces forces(const feti::TornVector& displacement) const;
+  /// @param time of temperatures. @throws NumericalError on all ranks for cells that are inverted at rest.
+  Forces forces(const feti::TornVector& displacement, double time) const;
 
   /// Loads that go with the deformed bodies at a time, of each subdomain; nothing without any.
   /// @throws InputError on all ranks.
@@ -41,7 +41,7 @@ class DeformedBodies {
     std::vector<std::shared_ptr<const feti::Kernel>> kernels;
   };
   /// The material part, see fem::assembleStrainTangent(), of sound displacements.
-  Tangent tangent(const feti::TornVector& displacement) const;
+  Tangent tangent(const feti::TornVector& displacement, double time) const;
 
   /// By how each subdomain has turned on the way from one displacement to another, in the mean (the rotation
   /// nearest to how its nodes have moved: Kabsch 1976); none of those that have not, and where nodes lie in a
@@ -57,6 +57,8 @@ class DeformedBodies {
                                const feti::TornVector& displacement) const;
 
  private:
+  std::vector<fem::TemperatureRise> risesAt(double time) const;
+
   const Teuchos::Comm<int>& comm_;
   const scene::Scene& scene_;
   const std::vector<scene::OwnedSubdomain>& atRest_;

@@ -86,8 +86,8 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
   base_.displacement = committed_.displacement;
 }
 
-void EquilibriumLoop::rebase(const feti::TornVector& displacement) {
-  base_ = {displacement, bodies_.tangent(displacement), false};
+void EquilibriumLoop::rebase(const State& state) {
+  base_ = {state.displacement, bodies_.tangent(state.displacement, state.time), state.time, false};
 }
 
 // Of the tangent, which turns with the bodies. With rows that are weighted by stiffness, dof by dof, or
@@ -98,7 +98,8 @@ std::vector<std::optional<feti::Frame>> EquilibriumLoop::frames() const {
   return bodies_.frames(base_.displacement, trial_.displacement);
 }
 
-void EquilibriumLoop::begin() {
+void EquilibriumLoop::begin(double from) {
+  committed_.time = from;
   trial_ = committed_;
   mixing_.restart();
   progress_ = {};
@@ -171,6 +172,16 @@ double EquilibriumLoop::followingWork(double time, const feti::TornVector& answe
   return globalSum(*context_.comm, work);
 }
 
+// ∫∂W/∂θ dθ: what energies would change by at the displacements that the step began and ended with, in the
+// mean. @param energy of the answer.
+double EquilibriumLoop::thermalWork(const feti::TornVector& answer, double energy) const {
+  if (!context_.scene.hasTemperatures(committed_.time) && !context_.scene.hasTemperatures(trial_.time))
+    return 0.0;
+  return 0.5 * (bodies_.forces(committed_.displacement, trial_.time).energy -
+                bodies_.forces(committed_.displacement, committed_.time).energy + energy -
+                bodies_.forces(answer, committed_.time).energy);
+}
+
 void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
   const Loads loads = loadsAt(time, trial_.displacement);
   const feti::SubdomainSystem& system = run_.pipeline().system();
@@ -180,7 +191,7 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
   {
     const auto scope = context_.timers.scope("assembly");
     if (progress_.isSlow)
-      rebase(trial_.displacement);
+      rebase(trial_);
     progress_.isSlow = false;
     iterate.tangent = base_.tangent;
     iterate.frames = frames();
@@ -312,7 +323,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
                                                 const std::function<void()>& save) {
   const auto fail = [this](const Error& error) {
     failure_ = error.what();
-    rebase(committed_.displacement); // the tangent may be what was wrong
+    rebase(committed_); // the tangent may be what was wrong
     return Outcome::Failed;
   };
   try {
@@ -333,6 +344,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
 EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, RunMonitor& monitor,
                                                   const std::function<void()>& save) {
   dead_ = run_.loads().loads(time);
+  trial_.time = time;
   DeformedBodies::Forces forces = forcesAt(trial_.displacement);
   while (true) {
     ++iterations_;
@@ -379,7 +391,7 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   trial_.displacement = answer;
   trial_.energy = forces.energy;
   trial_.forceSize = audited.forces;
-  work_ = followingWork(time, answer);
+  work_ = followingWork(time, answer) + thermalWork(answer, forces.energy);
   run_.take({change.torn, answer, loads, reactions(forces, loads, change), audited});
   trial_.slips.keep(run_.contact(), context_.report.contact);
   return true;
@@ -387,7 +399,7 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
 
 DeformedBodies::Forces EquilibriumLoop::forcesAt(const feti::TornVector& displacement) const {
   const auto scope = context_.timers.scope("assembly");
-  return bodies_.forces(displacement);
+  return bodies_.forces(displacement, trial_.time);
 }
 
 double EquilibriumLoop::workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const {
@@ -426,6 +438,7 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   torn.exchange("displacement", committed_.displacement);
   committed_.forces.exchange(archive, "forces", constraints);
   committed_.slips.exchange(*context_.comm, archive);
+  archive.number("time committed", committed_.time);
   archive.number("energy", committed_.energy);
   archive.number("size of forces", committed_.forceSize);
   bool follows = !committed_.following.empty();
@@ -433,11 +446,13 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   if (follows)
     torn.exchange("following loads", committed_.following);
   archive.number("tangent at rest", base_.isAtRest);
+  archive.number("time of the tangent", base_.time);
   torn.exchange("displacement of the tangent", base_.displacement);
   if (archive.isReading() && !base_.isAtRest)
-    rebase(base_.displacement);
+    base_.tangent = bodies_.tangent(base_.displacement, base_.time);
   if (!isWithinStep)
     return;
+  archive.number("time of the iteration", trial_.time);
   torn.exchange("displacement of the iteration", trial_.displacement);
   trial_.forces.exchange(archive, "forces of the iteration", constraints);
   archive.number("Newton iterations", iterations_);

@@ -35,8 +35,8 @@ class EquilibriumLoop {
   /// @param run set up; both to outlive it.
   EquilibriumLoop(const RunContext& context, RunStages& run);
 
-  /// A step begins, for the first time or again, from what was committed.
-  void begin();
+  /// A step begins, for the first time or again, from what was committed at a time.
+  void begin(double from);
   enum class Outcome { Converged, Failed, Interrupted };
   /// Iterates to equilibrium at a time. @param log of the solver. @param monitor of the solves. @param save
   /// keeps the state between two iterations, when the monitor asks for it. @return of what failed, failure()
@@ -50,8 +50,8 @@ class EquilibriumLoop {
   const std::string& failure() const { return failure_; }
   /// Of the step so far.
   int iterations() const { return iterations_; }
-  /// What loads that go with the bodies have done in the step, by the trapezoidal rule.
-  double followingWork() const { return work_; }
+  /// What loads that go with the bodies, and temperatures, have done in the step, by the trapezoidal rule.
+  double furtherWork() const { return work_; }
 
  private:
   using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
@@ -59,6 +59,7 @@ class EquilibriumLoop {
   struct Base {
     feti::TornVector displacement;
     DeformedBodies::Tangent tangent;
+    double time = 0.0;
     bool isAtRest = true;
   };
   // What u is in, or was.
@@ -67,7 +68,7 @@ class EquilibriumLoop {
     CarriedForces forces;
     PointSlips slips;                // since the run began
     feti::TornVector following = {}; // loads that go with the bodies; none without any
-    double energy = 0.0, forceSize = 0.0;
+    double time = 0.0, energy = 0.0, forceSize = 0.0;
   };
   // How the merit came down.
   struct Progress {
@@ -97,7 +98,7 @@ class EquilibriumLoop {
   double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
   double scaleOf(const feti::TornVector& answer, double energy) const;
   bool isStuck(double merit);
-  void rebase(const feti::TornVector& displacement);
+  void rebase(const State& state);
   std::vector<std::optional<feti::Frame>> frames() const;
   std::vector<std::vector<double>> reactions(const DeformedBodies::Forces& forces, const Loads& loads,
                                              const Change& change) const;
@@ -113,6 +114,7 @@ class EquilibriumLoop {
   feti::KktAudit audit(double time, const Answer& given) const;
   Loads loadsAt(double time, const feti::TornVector& displacement) const;
   double followingWork(double time, const feti::TornVector& answer);
+  double thermalWork(const feti::TornVector& answer, double energy) const;
   bool agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const;
 
   RunContext context_;
@@ -124,7 +126,7 @@ class EquilibriumLoop {
   Base base_;
   Loads dead_; // that keep their direction
   Progress progress_;
-  double work_ = 0.0; // of following loads
+  double work_ = 0.0; // of following loads and temperatures
   int iterations_ = 0;
   bool isSaveDue_ = false;
   std::string failure_;

@@ -106,7 +106,7 @@ StepSequence::Outcome StepSequence::attempt() {
   if (watch_.within == nullptr) {
     states_->begin(advance());
     if (equilibrium_)
-      equilibrium_->begin();
+      equilibrium_->begin(clock_.from());
     attempt_.updates = 0;
     attempt_.counters = {};
     attempt_.factorisationsBefore = context_.report.factorisations;
@@ -249,7 +249,7 @@ StepSequence::Outcome StepSequence::accept() {
   energy_->reach({run_.loads().factors(clock_.to()), products, context_.report.audit.energy,
                   scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
                   context_.report.audit.frictionWork, states_->dissipated(),
-                  equilibrium_ ? equilibrium_->followingWork() : 0.0});
+                  equilibrium_ ? equilibrium_->furtherWork() : 0.0});
   states_->tell(context_.report.slips, context_.report.contact);
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
   StepRow row = stepRow(context_.report, *energy_);

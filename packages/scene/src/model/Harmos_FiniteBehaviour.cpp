@@ -5,7 +5,7 @@ namespace Harmos::scene {
 
 FiniteBehaviour::~FiniteBehaviour() = default;
 
-void FiniteBehaviour::addFollowingLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
+void FiniteBehaviour::addFollowingLoad(const Scene&, const Deformed&, std::vector<double>&) const {}
 
 std::string FiniteBehaviour::fault(const ConstraintCollector&) const {
   return {};

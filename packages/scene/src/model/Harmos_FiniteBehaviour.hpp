@@ -21,8 +21,13 @@ class FiniteBehaviour {
   /// Whether it has loads that go with the deformed body, as pressures do: those are not among
   /// Effect::addLoad() then.
   virtual bool hasFollowingLoads() const { return false; }
-  /// @param deformed subdomain. @param load f += those at the factor one. Local.
-  virtual void addFollowingLoad(const Scene& scene, const OwnedSubdomain& deformed,
+  /// A subdomain at rest, and as moved() has it.
+  struct Deformed {
+    const OwnedSubdomain& rest;
+    const OwnedSubdomain& now;
+  };
+  /// @param load f += those at the factor one. Local.
+  virtual void addFollowingLoad(const Scene& scene, const Deformed& subdomain,
                                 std::vector<double>& load) const;
 
   /// What deformed bodies in equilibrium do that the effect forbids but does not see: an answer that looks
