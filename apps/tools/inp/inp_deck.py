@@ -14,7 +14,10 @@ from inp_parts import Parts, safe
 
 AXES = "xyz"
 # Effects of bodies at finite displacements.
-FINITE = {"Contact", "Friction", "Tie", "Prescribed displacement", "Force", "Traction", "Body force", "Linear constraint"}
+FINITE = {
+    "Body force", "Centrifugal force", "Contact", "Force", "Friction", "Linear constraint", "Prescribed displacement",
+    "Thermal strain", "Tie", "Traction",
+}
 TOUCHING = 1e-300  # ADJUST=0: of surfaces that overlap alone; 0 is none for Harmos
 
 
