@@ -3,6 +3,7 @@
 /// Bodies at finite displacements whose answer is known: uniform stretch in closed form, across contacts and
 /// ties of meshes that do not match; a block that is turned; small loads.
 
+#include "Harmos_Adhesion.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Friction.hpp"
 #include "Harmos_TestComm.hpp"
@@ -253,7 +254,8 @@ TEST(FinitePatch, small_loads) {
 TEST(FinitePatch, what_does_not_go_with_it_is_told) {
   scene::Scene scene =
       tower(CellType::Quadrilateral4, CellType::Quadrilateral4, Joint::Contact, Material::Law::Linear, 0.1);
-  addTemperature(scene, 0, 10.0);
+  scene.effects.push_back(std::make_shared<effects::Adhesion>(
+      scene.effects.back(), effects::CohesiveLaw(effects::CohesiveLaw::Options{}), "glue"));
   EXPECT_NE(failureOf(scene).find("does not work with \"Model/Kinematics\" = \"finite\""), std::string::npos);
 }
 

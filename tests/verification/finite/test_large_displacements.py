@@ -393,7 +393,7 @@ class Failure(unittest.TestCase):
         })
         run = runs.run(path, np=2, program="harmos")
         self.assertNotEqual(run.returncode, 0)
-        self.assertRegex(run.stderr, r"step \d of 3, from time .*(Newton's iterations do not converge|inside out)")
+        self.assertRegex(run.stderr, r"step \d of 3, from time .*(Newton's iterations do not converge|inside out|not stable)")
         rows = steps_of(run.directory)
         self.assertGreaterEqual(len(rows), 1)
         self.assertTrue(all(row["converged"] == 1 and math.isfinite(row["energy"]) for row in rows))
@@ -420,6 +420,35 @@ class Failure(unittest.TestCase):
         for key in ("energy", "Prescribed displacement/g/fx", "Prescribed displacement/g/fy"):
             # Ten times the solver's tolerance.
             self.assertLess(abs(few[-1][key] / many[-1][key] - 1.0), 1e-6, key)
+
+    def column(self, load, turn=0.0):
+        """A column of length 8 and width 1/2, built in below, in plane strain, under a share of Euler's load."""
+        euler = math.pi**2 / (1.0 - 0.3**2) * 0.5**3 / 12.0 / 4.0 / 8.0**2 / 0.5  # per area
+        return {
+            "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+            "Materials": {"m": {"Type": "neo-Hookean", "Young's modulus": 1.0, "Poisson's ratio": 0.3}},
+            "Bodies": {"column": block([0.0, 0.0], [0.5, 8.0], [1, 4], [2, 4], "Q2", "m")},
+            "Solver": {"Tolerance": 1e-8},
+            "Steps": {"Number": 1, "Smallest step": 0.01},
+            "Effects": {
+                "Prescribed displacement": {"ground": {"Part": "column/bottom"}},
+                "Traction": {"weight": {"Part": "column/top", "Density": [turn * load * euler, -load * euler, 0.0]}},
+            },
+        }
+
+    def test_columns_beyond_their_critical_load(self):
+        """A straight column stays straight to 0.97 of Euler's load (1744), and is not an answer
+        beyond 1.03; one that is pushed aside bends and is one."""
+        for np_ in (1, 2):
+            runs.solved(self, deck(self.column(0.97)), np=np_, program="harmos")
+            run = runs.run(deck(self.column(1.5)), np=np_, program="harmos")
+            self.assertNotEqual(run.returncode, 0)
+            self.assertRegex(run.stderr, r"not stable: bodies that are moved a little buckle, most of all at \(0\.[05]0*, 8\.0*, 0\.0*\)")
+            reached = steps_of(run.directory)[-1]["time"] * 1.5
+            self.assertTrue(0.97 < reached < 1.03, reached)
+        bent = runs.solved(self, deck(self.column(1.5, 0.01)), np=2, program="harmos")
+        _, u, _ = field(bent.directory, "displacement")
+        self.assertGreater(np.abs(u[:, 0]).max(), 4.0)
 
     def test_ties_across_gaps(self):
         """Bodies tied across a gap would be strained where both turn: 1e-4 of the surface is allowed."""

@@ -249,6 +249,29 @@ double DeformedBodies::joinCopies(feti::TornVector& displacement) const {
   return globalMax(comm_, largest);
 }
 
+fem::Point DeformedBodies::placeOfLargest(const feti::TornVector& motion) const {
+  struct Place {
+    double square;
+    fem::Point position;
+  };
+  const auto components = static_cast<std::size_t>(scene_.components());
+  Place largest = {-1.0, {}};
+  for (std::size_t i = 0; i < atRest_.size(); ++i)
+    for (std::size_t node = 0; node * components < motion[i].size(); ++node) {
+      double square = 0.0;
+      for (std::size_t d = 0; d < components; ++d)
+        square += std::pow(motion[i][node * components + d], 2);
+      if (square > largest.square)
+        largest = {square, atRest_[i].mesh.position(static_cast<int>(node))};
+    }
+  const std::vector<Place> all = gatherAll(comm_, std::vector<Place>{largest});
+  largest = all.front(); // the same on all ranks
+  for (const Place& place : all)
+    if (place.square > largest.square)
+      largest = place;
+  return largest.position;
+}
+
 std::vector<double> DeformedBodies::products(const std::vector<ConstraintRow>& rows,
                                              const feti::TornVector& displacement) const {
   const auto components = static_cast<std::size_t>(scene_.components());

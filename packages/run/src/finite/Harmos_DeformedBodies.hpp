@@ -52,6 +52,9 @@ class DeformedBodies {
   /// Gives copies of a node their mean. @return the largest change of a component, of all ranks.
   double joinCopies(feti::TornVector& displacement) const;
 
+  /// Where at rest the node is that moves most. Collective.
+  fem::Point placeOfLargest(const feti::TornVector& motion) const;
+
   /// Bu of this rank's rows of friction, ties and equations, of joined copies; zero of inequalities.
   std::vector<double> products(const std::vector<ConstraintRow>& rows,
                                const feti::TornVector& displacement) const;

@@ -3,8 +3,10 @@
 
 #include "Harmos_AnswerJudge.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_LeastStiffness.hpp"
 #include "Harmos_MovedSubdomains.hpp"
 #include "Harmos_MovingBounds.hpp"
+#include "Harmos_PointAlgebra.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_TornArchive.hpp"
 
@@ -12,6 +14,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <random>
 
 namespace Harmos::run {
 namespace {
@@ -210,6 +213,7 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
     iterate.contact = contactAt(time, trial_.displacement);
     iterate.slipsBefore = committed_.slips.of(iterate.contact);
   }
+  posed_ = iterate.loads;
   run_.prepare(std::move(iterate));
 }
 
@@ -246,6 +250,17 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonito
   std::optional<feti::WarmStart> start;
   if (!trial_.forces.isEmpty())
     start = feti::WarmStart{trial_.forces.on(*stages.constraints, run_.contact()), {}};
+  const Outcome outcome = solveTo(start, log, monitor, change);
+  if (outcome == Outcome::Converged)
+    trial_.forces.keep(*stages.constraints, run_.contact(), *change.torn.multiplier);
+  return outcome;
+}
+
+// To errors that are small beside the change.
+EquilibriumLoop::Outcome EquilibriumLoop::solveTo(const std::optional<feti::WarmStart>& given, const Log& log,
+                                                  RunMonitor& monitor, Change& change) {
+  const feti::DualStages stages = run_.pipeline().stages();
+  std::optional<feti::WarmStart> start = given;
   while (true) {
     feti::DualSolution solution;
     if (const Outcome outcome = solveOnce(start ? &*start : nullptr, log, monitor, solution);
@@ -266,24 +281,23 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonito
         std::max(leastTolerance, std::min(0.5, 0.5 * allowed / error) * progress_.tolerance);
     start = feti::WarmStart{change.torn.multiplier, solution.mu};
   }
-  trial_.forces.keep(*stages.constraints, run_.contact(), *change.torn.multiplier);
   return Outcome::Converged;
+}
+
+// K̂du, without frames.
+feti::TornVector EquilibriumLoop::image(const feti::TornVector& change) const {
+  const feti::SubdomainSystem& system = run_.pipeline().system();
+  feti::TornVector inFrames = change, result = change;
+  system.enterFrames(inFrames);
+  for (std::size_t i = 0; i < inFrames.size(); ++i)
+    system.subdomain(static_cast<int>(i)).stiffness->multiply(inFrames[i].data(), result[i].data());
+  system.leaveFrames(result);
+  return result;
 }
 
 // ‖du‖_K̂.
 double EquilibriumLoop::meritOf(const feti::TornVector& change) const {
-  const feti::SubdomainSystem& system = run_.pipeline().system();
-  feti::TornVector inFrames = change;
-  system.enterFrames(inFrames);
-  double square = 0.0;
-  std::vector<double> image;
-  for (std::size_t i = 0; i < inFrames.size(); ++i) {
-    image.resize(inFrames[i].size());
-    system.subdomain(static_cast<int>(i)).stiffness->multiply(inFrames[i].data(), image.data());
-    for (std::size_t k = 0; k < image.size(); ++k)
-      square += image[k] * inFrames[i][k];
-  }
-  return std::sqrt(std::max(0.0, globalSum(*context_.comm, square)));
+  return std::sqrt(std::max(0.0, workOf(image(change), change)));
 }
 
 // u + s du, s = 1 or as much of it as leaves all cells as they should be. @return whether s = 1.
@@ -362,7 +376,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
     progress_.scale = scaleOf(answer, forces.energy);
     tell(change.merit);
     if (isWhole && change.merit <= context_.options.tolerance * progress_.scale &&
-        hasConverged(time, answer, forces, change))
+        hasConverged(time, answer, forces, change, log, monitor))
       return failure_.empty() ? Outcome::Converged : Outcome::Failed;
     const double stiffness =
         (workOf(forces.internal, change.joined) - before) / (change.merit * change.merit);
@@ -380,12 +394,15 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
 }
 
 bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
-                                   const DeformedBodies::Forces& forces, const Change& change) {
+                                   const DeformedBodies::Forces& forces, const Change& change, const Log& log,
+                                   RunMonitor& monitor) {
   const Loads loads = loadsAt(time, answer);
   const feti::KktAudit audited = audit(time, {answer, forces, loads, change});
   if (!agrees(audited, answer))
     return false;
   failure_ = faultOf(answer);
+  if (failure_.empty())
+    failure_ = instability(answer, change, log, monitor);
   if (!failure_.empty())
     return true;
   trial_.displacement = answer;
@@ -395,6 +412,92 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   run_.take({change.torn, answer, loads, reactions(forces, loads, change), audited});
   trial_.slips.keep(run_.contact(), context_.report.contact);
   return true;
+}
+
+// What stresses, contacts and loads are out of balance by where bodies are moved on, with the forces of
+// contact that they have.
+feti::TornVector EquilibriumLoop::balance(const feti::TornVector& displacement) const {
+  const scene::ContactSetup contact = contactAt(trial_.time, displacement);
+  const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
+  feti::TornVector result = rowForces(*constraints, *trial_.forces.on(*constraints, contact));
+  const DeformedBodies::Forces forces = forcesAt(displacement);
+  const Loads loads = loadsAt(trial_.time, displacement);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (std::size_t k = 0; k < result[i].size(); ++k)
+      result[i][k] = (*loads[i])[k] - forces.internal[i][k] - result[i][k];
+  return result;
+}
+
+// K_T v, by central differences.
+feti::TornVector EquilibriumLoop::wholeStiffness(const feti::TornVector& answer,
+                                                 const feti::TornVector& motion) const {
+  constexpr double share = 1e-5; // of strains
+  const double step = share * progress_.scale;
+  feti::TornVector result = balance(sum(answer, -step, motion));
+  const feti::TornVector beyond = balance(sum(answer, step, motion));
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (std::size_t k = 0; k < result[i].size(); ++k)
+      result[i][k] = (result[i][k] - beyond[i][k]) / (2.0 * step);
+  return result;
+}
+
+// By how much more bodies move under a force, however large.
+std::optional<feti::TornVector> EquilibriumLoop::motionUnder(const feti::TornVector& force,
+                                                             const Change& change, const Log& log,
+                                                             RunMonitor& monitor) {
+  double square = 0.0;
+  for (std::size_t i = 0; i < force.size(); ++i)
+    for (std::size_t k = 0; k < force[i].size(); ++k)
+      square += weights_[i][k] > 0.0 ? force[i][k] * force[i][k] / weights_[i][k] : 0.0;
+  constexpr double share = 1e-6; // what contacts that are closed stay so under, and soft motions are large by
+  const double factor = share * progress_.scale / std::sqrt(globalSum(*context_.comm, square));
+  if (!std::isfinite(factor))
+    return std::nullopt;
+  Loads loads;
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    auto load = std::make_shared<std::vector<double>>(*posed_[i]);
+    for (std::size_t k = 0; k < load->size(); ++k)
+      (*load)[k] += factor * force[i][k];
+    loads.push_back(load);
+  }
+  Change more;
+  run_.pipeline().setLoads(loads);
+  try {
+    if (solveTo(feti::WarmStart{change.torn.multiplier, {}}, log, monitor, more) == Outcome::Converged)
+      return sum(more.joined, -1.0, change.joined);
+  } catch (const NumericalError&) { // on all ranks: the force is on a motion that nothing holds
+  }
+  return std::nullopt;
+}
+
+// Whether energy comes free along a motion that contacts allow: a sentence, or nothing.
+std::string EquilibriumLoop::instability(const feti::TornVector& answer, const Change& change, const Log& log,
+                                         RunMonitor& monitor) {
+  if (!(progress_.scale > 0.0))
+    return {};
+  const feti::SolveReport before = context_.report;
+  feti::TornVector force = weights_; // to all sides, as hard as bodies are stiff
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    std::minstd_rand random(static_cast<unsigned>(run_.owned()[i].number + 1));
+    for (double& entry : force[i])
+      entry = std::sqrt(entry) * (2.0 * static_cast<double>(random()) / std::minstd_rand::max() - 1.0);
+  }
+  const StiffnessActions actions = {
+      [&](const feti::TornVector& f) { return motionUnder(f, change, log, monitor); },
+      [&](const feti::TornVector& v) { return image(v); },
+      [&](const feti::TornVector& v) { return wholeStiffness(answer, v); },
+      [&](const feti::TornVector& v, const feti::TornVector& f) { return workOf(f, v); }};
+  const std::optional<LeastStiffness> least = leastStiffness(actions, std::move(force));
+  run_.pipeline().setLoads(posed_);
+  failure_.clear();
+  const qp::Result counted = context_.report.result;
+  static_cast<feti::SolveReport&>(context_.report) = before;
+  context_.report.result.counters = counted.counters;
+  if (!least || least->value >= 0.0)
+    return {};
+  return "the equilibrium is not stable: bodies that are moved a little buckle, most of all at " +
+         placeText(bodies_.placeOfLargest(least->motion)) + " (stiffness along this " +
+         scientific(least->value) + " of that without stresses)";
 }
 
 DeformedBodies::Forces EquilibriumLoop::forcesAt(const feti::TornVector& displacement) const {
@@ -514,6 +617,18 @@ std::vector<std::vector<double>> EquilibriumLoop::reactions(const DeformedBodies
   return result;
 }
 
+// Bᵀλ, without frames.
+feti::TornVector EquilibriumLoop::rowForces(const feti::Constraints& constraints,
+                                            const MultiVector& multiplier) const {
+  const feti::SubdomainSystem& system = run_.pipeline().system();
+  const std::vector<double> overlap = constraints.toOverlap(multiplier);
+  feti::TornVector result = system.zeroVector();
+  for (std::size_t i = 0; i < result.size(); ++i)
+    constraints.addBt(static_cast<int>(i), overlap.data(), result[i].data());
+  system.leaveFrames(result);
+  return result;
+}
+
 feti::KktAudit EquilibriumLoop::audit(double time, const Answer& given) const {
   const auto& [answer, forces, loads, change] = given;
   const Teuchos::Comm<int>& comm = *context_.comm;
@@ -522,14 +637,10 @@ feti::KktAudit EquilibriumLoop::audit(double time, const Answer& given) const {
   const scene::ContactSetup contact = contactAt(time, answer);
   const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
   const Teuchos::RCP<const MultiVector> multiplier = trial_.forces.on(*constraints, contact);
-  const std::vector<double> overlap = constraints->toOverlap(*multiplier);
+  const feti::TornVector allOfRows = rowForces(*constraints, *multiplier);
   std::vector<double> sums(5, 0.0); // squares: out of balance, loads, internal, of rows; work of loads
-  std::vector<double> ofRows;
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    ofRows.assign(loads[i]->size(), 0.0);
-    constraints->addBt(static_cast<int>(i), overlap.data(), ofRows.data());
-    if (const feti::Frame* frame = system.frame(static_cast<int>(i)))
-      frame->leave(ofRows);
+    const std::vector<double>& ofRows = allOfRows[i];
     std::vector<char> isFixed(ofRows.size(), 0);
     for (const feti::FixedDof& fixed : system.subdomain(static_cast<int>(i)).fixed)
       isFixed[static_cast<std::size_t>(fixed.dof)] = 1;

@@ -88,12 +88,22 @@ class EquilibriumLoop {
   scene::ContactSetup contactAt(double time, const feti::TornVector& displacement) const;
   void pose(double time, const feti::TornVector& internal);
   Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);
+  Outcome solveTo(const std::optional<feti::WarmStart>& start, const Log& log, RunMonitor& monitor,
+                  Change& change);
   Outcome solveOnce(const feti::WarmStart* start, const Log& log, RunMonitor& monitor,
                     feti::DualSolution& solution);
   bool advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces);
+  feti::TornVector image(const feti::TornVector& change) const;
   double meritOf(const feti::TornVector& change) const;
   bool hasConverged(double time, const feti::TornVector& answer, const DeformedBodies::Forces& forces,
-                    const Change& change);
+                    const Change& change, const Log& log, RunMonitor& monitor);
+  std::string instability(const feti::TornVector& answer, const Change& change, const Log& log,
+                          RunMonitor& monitor);
+  std::optional<feti::TornVector> motionUnder(const feti::TornVector& force, const Change& change,
+                                              const Log& log, RunMonitor& monitor);
+  feti::TornVector wholeStiffness(const feti::TornVector& answer, const feti::TornVector& motion) const;
+  feti::TornVector balance(const feti::TornVector& displacement) const;
+  feti::TornVector rowForces(const feti::Constraints& constraints, const MultiVector& multiplier) const;
   DeformedBodies::Forces forcesAt(const feti::TornVector& displacement) const;
   double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
   double scaleOf(const feti::TornVector& answer, double energy) const;
@@ -124,7 +134,8 @@ class EquilibriumLoop {
   AndersonMixing mixing_;
   State committed_, trial_;
   Base base_;
-  Loads dead_; // that keep their direction
+  Loads dead_;  // that keep their direction
+  Loads posed_; // of the problem that was posed last
   Progress progress_;
   double work_ = 0.0; // of following loads and temperatures
   int iterations_ = 0;
