@@ -254,8 +254,12 @@ TEST(FinitePatch, small_loads) {
 TEST(FinitePatch, what_does_not_go_with_it_is_told) {
   scene::Scene scene =
       tower(CellType::Quadrilateral4, CellType::Quadrilateral4, Joint::Contact, Material::Law::Linear, 0.1);
-  scene.effects.push_back(std::make_shared<effects::Adhesion>(
-      scene.effects.back(), effects::CohesiveLaw(effects::CohesiveLaw::Options{}), "glue"));
+  effects::CohesiveLaw::Options glue;
+  glue.normalStiffness = glue.tangentialStiffness = 20.0;
+  glue.normalStrength = glue.tangentialStrength = 1.0;
+  glue.kind = effects::CohesiveLaw::Kind::Brittle;
+  scene.effects.push_back(
+      std::make_shared<effects::Adhesion>(scene.effects.back(), effects::CohesiveLaw(glue), "glue"));
   EXPECT_NE(failureOf(scene).find("does not work with \"Model/Kinematics\" = \"finite\""), std::string::npos);
 }
 
