@@ -6,7 +6,6 @@ What it guards against: tangents, contact search and friction that are right at 
 where bodies but turn; states that a restart loses.
 """
 
-import csv
 import math
 import os
 import signal
@@ -20,60 +19,13 @@ import harmos_runs as runs  # noqa: E402
 
 try:
     import finite_oracle
-    import h5py
     import numpy as np
+    from finite_scenes import block, deck, field, steps_of
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
 # Bisshopp, Drucker 1945: PL²/EI, deflection and shortening of the tip over L.
 ELASTICA = ((1.0, 0.3017, 0.0564), (2.0, 0.4935, 0.1606), (5.0, 0.7138, 0.3876), (10.0, 0.8106, 0.5550))
-
-
-def text_of(value):
-    if isinstance(value, (list, tuple)):
-        kind = {str: "string", int: "int"}.get(type(value[0]), "double")
-        return f"Array({kind})", "{" + ", ".join(map(str, value)) + "}"
-    kind = {str: "string", int: "int"}.get(type(value), "double")
-    return kind, str(value)
-
-
-def lists(tree):
-    for name, value in tree.items():
-        if isinstance(value, dict):
-            yield f'<ParameterList name="{name}">'
-            yield from lists(value)
-            yield "</ParameterList>"
-        else:
-            kind, text = text_of(value)
-            yield f'<Parameter name="{name}" type="{kind}" value="{text}"/>'
-
-
-def deck(tree):
-    path = runs.scratch("deck").with_suffix(".xml")
-    path.write_text("\n".join(lists({"harmos": tree})), encoding="utf-8")
-    return path
-
-
-def block(origin, size, parts, elements, element, material):
-    return {
-        "Source": "block", "Origin": [*origin, 0.0], "Size": [*size, 1.0], "Subdomains a side": [*parts, 1],
-        "Elements a side": [*elements, 1], "Element": element, "Materials": [material],
-    }
-
-
-def field(directory, name):
-    """Places and values of all nodes in the last result, and its cells."""
-    with h5py.File(sorted(Path(directory).glob("result*.vtkhdf"))[-1], "r") as file:
-        group = file["VTKHDF"]
-        points, values = group["Points"][:], group["PointData"][name][:]
-        first = np.concatenate([[0], np.cumsum(group["NumberOfPoints"][:])[:-1]])
-        cells = group["Connectivity"][:] + np.repeat(first, group["NumberOfConnectivityIds"][:])
-    return points, values, cells
-
-
-def steps_of(directory):
-    with open(Path(directory) / "steps.csv", newline="", encoding="utf-8") as file:
-        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
 
 
 def beam(load, elements, height, tolerance=1e-6):
