@@ -244,6 +244,37 @@ TEST(FollowingLimits, hundred_problems_in_space) {
   EXPECT_GT(sticks, 30);
 }
 
+// From a solution, with its multipliers, the first face is that of the solution: points that slip begin so.
+TEST(FollowingLimits, a_solution_stays_where_it_is) {
+  std::mt19937 random(29);
+  int slips = 0;
+  for (int k = 0; k < 60; ++k) {
+    const SmallQp qp = followingQp(random, 2 + k % 3, 2, 0, 0, 0.3);
+    const Answer answer = solved(qp, "PDAS", true);
+    ASSERT_TRUE(answer.isConverged) << k;
+    for (const FollowingLimit& limit : qp.follows) {
+      const Disc& disc = qp.discs[at(limit.place)];
+      const double normal = answer.x[at(limit.source)];
+      slips += normal > 1e-3 && std::hypot(answer.x[at(disc.first)], answer.x[at(disc.second)]) >
+                                    (1.0 - 1e-9) * limit.factor * normal
+                   ? 1
+                   : 0;
+    }
+    const auto list = Teuchos::parameterList();
+    list->set("Convergence Tolerance", 1e-9); // a hundred times that of the solution
+    const DistributedQp again(qp);
+    again.precondition(jacobi(qp.a));
+    again.solution->update(1.0, *toVector(answer.x, again.map), 0.0);
+    const auto solver = TpetraSolverFactory().create("PDAS", list);
+    solver->setProblem(again.problem);
+    const Result result = solver->solve();
+    EXPECT_TRUE(result.converged()) << k;
+    EXPECT_LE(result.counters.faces, 2) << k; // with a step by the gradient alone up to fourteen
+    EXPECT_LE(distance(fromVector(*again.solution), answer.x), 1e-8 * (1.0 + norm(answer.x))) << k;
+  }
+  EXPECT_GT(slips, 30);
+}
+
 // Newton's method on single entries goes round in circles.
 TEST(FollowingLimits, bodies_that_turn_settle) {
   std::mt19937 random(24);

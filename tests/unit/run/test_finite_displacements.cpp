@@ -8,6 +8,7 @@
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_DeformedBodies.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Friction.hpp"
 #include "Harmos_MovedSubdomains.hpp"
 #include "Harmos_TestComm.hpp"
 #include "Harmos_TestScene.hpp"
@@ -51,7 +52,7 @@ feti::TornVector displacementOf(const std::vector<scene::OwnedSubdomain>& owned,
     std::vector<double>& values = u.emplace_back();
     for (int node = 0; node < item.mesh.mesh->numberOfNodes(); ++node) {
       const Point value = field(item.body, item.mesh.position(node));
-      values.insert(values.end(), {value[0], value[1]});
+      values.insert(values.end(), value.begin(), value.begin() + item.mesh.mesh->dimension());
     }
   }
   return u;
@@ -183,6 +184,65 @@ TEST(CarriedForces, go_with_nodes) {
     ++compared;
   }
   EXPECT_GT(globalSum(*testComm(), static_cast<long long>(compared)), 0);
+}
+
+// Forces of friction are vectors: where a surface of normal (0, 0, 1) turns by a hair's breadth about x or y,
+// its tangents are others.
+TEST(CarriedForces, turn_with_surfaces) {
+  scene::Scene scene;
+  scene.physics = scene::Physics::Solid;
+  scene.strains = fem::Strains::Finite;
+  fem::StructuredBlock::Options options;
+  options.cellType = fem::CellType::Hexahedron8;
+  options.subdomains = {2, 1, 1};
+  options.elements = {2, 2, 2};
+  scene.bodies.push_back(blockBody("lower", options, fem::Material::isotropic(1.0, 0.3)));
+  options.origin = {0.0, 0.0, 1.0};
+  options.elements = {3, 3, 1};
+  scene.bodies.push_back(blockBody("upper", options, fem::Material::isotropic(1.0, 0.3)));
+  addContact(scene, {1, "bottom"}, {0, "top"});
+  scene.effects.push_back(std::make_shared<effects::Friction>(scene.effects.back(), 0.3, "rough"));
+  const auto owned = scene::decompose(*testComm(), scene);
+  const feti::SubdomainSystem system(testComm(), scene::assemble(scene, owned), feti::DirichletForm::Dual);
+  scene::EffectCosts costs(scene);
+  const auto contactTurned = [&](double aboutX, double aboutY) {
+    const auto turn = [=](int, const Point& x) {
+      return Point{aboutY * x[2], -aboutX * x[2], aboutX * x[1] - aboutY * x[0]};
+    };
+    return scene::setUpMovedContact(*testComm(), scene, owned,
+                                    scene::moved(owned, displacementOf(owned, turn)), costs);
+  };
+  // Of each point, by node.
+  const auto forcesOf = [](const feti::Constraints& constraints, const scene::ContactSetup& contact,
+                           const MultiVector& lambda) {
+    std::map<long long, Point> forces;
+    const std::vector<double> all = constraints.givenMultipliers(lambda);
+    for (const contact::SlipPoint& slip : contact.slips)
+      for (std::size_t t = 0; t < slip.tangents.size(); ++t)
+        for (std::size_t d = 0; d < 3; ++d)
+          forces[contact.points[slip.point].node][d] +=
+              all[contact.points.size() + slip.firstPlace + t] * slip.tangents[t][d];
+    return forces;
+  };
+  constexpr double angle = 1e-7;
+  const scene::ContactSetup before = contactTurned(angle, 0.0), after = contactTurned(0.0, angle);
+  const feti::Constraints first(system, before.rows), second(system, after.rows);
+  MultiVector lambda(first.rowMap(), 1);
+  {
+    const auto view = lambda.getLocalViewHost(Tpetra::Access::OverwriteAll);
+    for (std::size_t r = 0; r < view.extent(0); ++r)
+      view(r, 0) = 1.0 + static_cast<double>(first.rowMap()->getGlobalElement(static_cast<int>(r)));
+  }
+  run::CarriedForces carried(scene);
+  carried.keep(first, before, lambda);
+  const auto had = forcesOf(first, before, lambda), has = forcesOf(second, after, *carried.on(second, after));
+  long long turned = 0;
+  for (const auto& [node, force] : had)
+    for (std::size_t d = 0; d < 3; ++d)
+      EXPECT_NEAR(has.at(node)[d], force[d], 10.0 * angle * (std::abs(force[0]) + std::abs(force[1])));
+  for (std::size_t s = 0; s < before.slips.size(); ++s)
+    turned += std::abs(before.slips[s].tangents[0][0] - after.slips[s].tangents[0][0]) > 0.5 ? 1 : 0;
+  EXPECT_GT(globalSum(*testComm(), turned), 0); // it says something
 }
 
 } // namespace test_finite_displacements

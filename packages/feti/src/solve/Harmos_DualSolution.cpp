@@ -90,6 +90,7 @@ class DualSolve {
  private:
   void guess(const WarmStart* start);
   void startFrom(const WarmStart& start);
+  void putAtLimits(const MultiVector& total);
   void startFromHalfLoad();
   void removeJoined();
   bool hasVectorsFromStart() const;
@@ -180,6 +181,39 @@ void DualSolve::startFrom(const WarmStart& start) {
     if (total(k, 0) == 0.0 && std::isfinite(lower(k, 0)) &&
         task_.stages.constraints->rowType(static_cast<int>(k)) == RowType::Inequality)
       lambda(k, 0) = lower(k, 0);
+  if (start.keepsLimits)
+    putAtLimits(*start.multiplier);
+}
+
+// What is at a limit that follows, |λ_t| = μλ_n, goes there again, with the normal force that is left.
+void DualSolve::putAtLimits(const MultiVector& total) {
+  constexpr double share = 1e-9; // of limits, to which solutions are at them
+  if (dual().followingLimits() == nullptr)
+    return;
+  const auto before = total.getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto shift = dual().shift()->getLocalViewHost(Tpetra::Access::ReadOnly);
+  const auto lambda = solution_.lambda->getLocalViewHost(Tpetra::Access::ReadWrite);
+  for (const qp::FollowingLimit& limit : *dual().followingLimits()) {
+    std::array<int, 2> places = {limit.place, limit.place};
+    if (limit.isDisc) {
+      const qp::Disc& disc = dual().discs()->discs()[static_cast<std::size_t>(limit.place)];
+      places = {disc.first, disc.second};
+    }
+    const auto lengthOf = [&](const auto& at) {
+      return places[0] == places[1] ? std::abs(at(places[0])) : std::hypot(at(places[0]), at(places[1]));
+    };
+    const double was = lengthOf([&](int k) { return before(static_cast<std::size_t>(k), 0); }),
+                 limitBefore = limit.factor * before(static_cast<std::size_t>(limit.source), 0);
+    const auto totalNow = [&](int k) {
+      return lambda(static_cast<std::size_t>(k), 0) + shift(static_cast<std::size_t>(k), 0);
+    };
+    const double is = lengthOf(totalNow), radius = limit.factor * std::max(0.0, totalNow(limit.source));
+    if (!(was > 0.0 && was >= (1.0 - share) * limitBefore && is > 0.0))
+      continue;
+    constexpr double beyond = 1.0 + 1e-13; // what is outside is put on the rim
+    for (std::size_t c = 0; c < (places[0] == places[1] ? 1U : 2U); ++c)
+      lambda(static_cast<std::size_t>(places[c]), 0) += (beyond * radius / is - 1.0) * totalNow(places[c]);
+  }
 }
 
 // λ⁰ = ½Bf.

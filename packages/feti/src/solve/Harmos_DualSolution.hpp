@@ -25,6 +25,9 @@ struct DualSolution {
 struct WarmStart {
   Teuchos::RCP<const MultiVector> multiplier; ///< λ + λ̃; what G sees of them is not used
   std::vector<double> mu;                     ///< of Gλ = 0: without it active sets are guessed wrong
+  /// Points that slip in it start at their limits, else they begin as points that stick: rounding errors of
+  /// the projection take them off. For solutions of which most points slip on.
+  bool keepsLimits = false;
 };
 
 /// The verdict of an acceptance test on a solution.

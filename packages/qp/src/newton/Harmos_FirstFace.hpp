@@ -134,12 +134,14 @@ class FirstFace {
 
   // If the gradient at zero, which costs nothing, mostly pushes against the bounds that x is at, its product
   // is made on the face where all of them are held, as the first one of that face's solution.
+  // Pairs in discs slip where the step from x would lead out of them.
   bool startsWithActive() {
     constexpr double mostWrong = 0.1;
+    const bool hasPairs = !isCold_ && s_.problem.hasDiscs();
     const Teuchos::RCP<MV> projected = MVT::CloneCopy(s_.x), free = MVT::CloneCopy(*s_.y);
     FaceOps<Scalar, MV>::mask(*free, s_.face);
     const double atBounds2 = dot<Scalar>(*s_.y, *s_.y) - dot<Scalar>(*free, *free);
-    if (s_.change.wrongSign2 <= mostWrong * atBounds2 && s_.solver.start(s_.face)) {
+    if (!hasPairs && s_.change.wrongSign2 <= mostWrong * atBounds2 && s_.solver.start(s_.face)) {
       s_.solver.lagrangianGradient(*s_.y);
       const double noise = 10.0 * std::numeric_limits<double>::epsilon() * norm<Scalar>(s_.x);
       s_.change = Terms::update(feasible(), s_.x, *s_.y, {noise, 10.0 * s_.solver.attainable()}, s_.face);
@@ -150,7 +152,10 @@ class FirstFace {
     Belos::OperatorTraits<Scalar, MV, OP>::Apply(*s_.problem.hessian(), s_.x, *s_.y);
     MVT::MvAddMv(1.0, *s_.y, -1.0, *s_.problem.rhs(), *s_.y);
     addMultiplier();
-    s_.change = Terms::update(feasible(), s_.x, *s_.y, {}, s_.face);
+    FaceUpdate how;
+    if (hasPairs)
+      how.stepLength = Nearest(s_.problem, s_.rows, s_.counters).scale() / norm<Scalar>(*s_.problem.rhs());
+    s_.change = Terms::update(feasible(), s_.x, *s_.y, how, s_.face);
     return false;
   }
 

@@ -2,6 +2,7 @@
 #include "Harmos_CarriedForces.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_PointAlgebra.hpp"
 #include "Harmos_Rendezvous.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
@@ -19,25 +20,44 @@ void CarriedForces::clear() {
   rest_.clear();
 }
 
-// Rows of this rank's points, by their numbers in B.
-std::vector<std::pair<long long, CarriedForces::Key>>
-CarriedForces::rowsOf(const feti::Constraints& constraints, const scene::ContactSetup& contact) const {
+// Of this rank's points.
+std::vector<CarriedForces::Key> CarriedForces::keysOf(const scene::ContactSetup& contact) const {
   std::unordered_map<const scene::Effect*, std::size_t> places;
   for (std::size_t k = 0; k < scene_->effects.size(); ++k)
     places[scene_->effects[k].get()] = k;
-  std::vector<std::pair<long long, Key>> rows;
-  const auto keyOf = [&](std::size_t point, int direction) {
-    return Key{places.at(contact.effects[point]), contact.points[point].node, contact.points[point].side,
-               direction};
-  };
+  std::vector<Key> keys;
   for (std::size_t k = 0; k < contact.points.size(); ++k)
-    rows.emplace_back(contact.points[k].number, keyOf(k, 0));
+    keys.emplace_back(places.at(contact.effects[k]), contact.points[k].node, contact.points[k].side);
+  return keys;
+}
+
+// Of this rank's points.
+std::vector<CarriedForces::Row> CarriedForces::rowsOf(const feti::Constraints& constraints,
+                                                      const scene::ContactSetup& contact) const {
+  std::vector<Row> rows;
+  for (std::size_t k = 0; k < contact.points.size(); ++k)
+    rows.push_back({contact.points[k].number, k, nullptr});
   for (const contact::SlipPoint& slip : contact.slips)
     for (std::size_t t = 0; t < slip.tangents.size(); ++t)
-      rows.emplace_back(constraints.inequalities() + slip.firstRow + static_cast<long long>(t),
-                        keyOf(slip.point, 1 + static_cast<int>(t)));
+      rows.push_back({constraints.inequalities() + slip.firstRow + static_cast<long long>(t), slip.point,
+                      &slip.tangents[t]});
   return rows;
 }
+
+namespace {
+
+// By the smallest turn that takes one direction to another: v + w × v + w × (w × v)/(1 + c), w = from × to,
+// c = from·to (Rodrigues).
+fem::Point turnedAs(const fem::Point& from, const fem::Point& to, const fem::Point& v) {
+  const double c = dot(from, to);
+  constexpr double opposite = -0.99;
+  if (c < opposite)
+    return v;
+  const fem::Point axis = cross(from, to), once = cross(axis, v);
+  return sum(sum(v, once), scaled(1.0 / (1.0 + c), cross(axis, once)));
+}
+
+} // namespace
 
 void CarriedForces::keep(const feti::Constraints& constraints, const scene::ContactSetup& contact,
                          const MultiVector& multiplier) {
@@ -53,22 +73,38 @@ void CarriedForces::keep(const feti::Constraints& constraints, const scene::Cont
         known.emplace_back(constraints.rowMap()->getGlobalElement(row),
                            lambda(r, 0) * constraints.rowScale(row));
   }
-  const auto rows = rowsOf(constraints, contact);
+  const std::vector<Row> rows = rowsOf(constraints, contact);
   std::vector<long long> asked;
-  for (const auto& row : rows)
-    asked.push_back(row.first);
+  for (const Row& row : rows)
+    asked.push_back(row.number);
   const auto forces = lookUp(*constraints.rowMap()->getComm(), known, asked);
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    if (forces[k].value_or(0.0) != 0.0)
-      ofPoints_[rows[k].second] = *forces[k];
+  const std::vector<Key> keys = keysOf(contact);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const double force = forces[k].value_or(0.0);
+    if (force == 0.0)
+      continue;
+    Force& kept = ofPoints_[keys[rows[k].point]];
+    kept.normal = contact.points[rows[k].point].normal;
+    if (rows[k].tangent == nullptr)
+      kept.along = force;
+    else
+      kept.across = sum(kept.across, scaled(force, *rows[k].tangent));
+  }
 }
 
 Teuchos::RCP<MultiVector> CarriedForces::on(const feti::Constraints& constraints,
                                             const scene::ContactSetup& contact) const {
   std::vector<std::pair<long long, double>> known;
-  for (const auto& [row, key] : rowsOf(constraints, contact))
-    if (const auto found = ofPoints_.find(key); found != ofPoints_.end())
-      known.emplace_back(row, found->second);
+  const std::vector<Key> keys = keysOf(contact);
+  for (const Row& row : rowsOf(constraints, contact))
+    if (const auto found = ofPoints_.find(keys[row.point]); found != ofPoints_.end()) {
+      const Force& force = found->second;
+      known.emplace_back(
+          row.number,
+          row.tangent == nullptr
+              ? force.along
+              : dot(turnedAs(force.normal, contact.points[row.point].normal, force.across), *row.tangent));
+    }
   std::vector<long long> asked;
   std::vector<int> places;
   const auto size = static_cast<int>(localSize(*constraints.rowMap()));
@@ -112,14 +148,16 @@ Teuchos::RCP<const Map> mapOfRest(const feti::Constraints& constraints) {
 void CarriedForces::exchange(qp::StateArchive<MultiVector>& archive, const std::string& name,
                              const feti::Constraints& constraints) {
   archive.number(name + " are there", isKept_);
-  constexpr std::size_t width = 5; // effect, node, side, direction, force
+  constexpr std::size_t width = 10; // effect, node, side, forces along and across, normal
   std::vector<double> points;
   if (!archive.isReading()) {
-    for (const auto& [key, force] : ofPoints_)
-      for (const double value :
-           {static_cast<double>(std::get<0>(key)), static_cast<double>(std::get<1>(key)),
-            static_cast<double>(std::get<2>(key)), static_cast<double>(std::get<3>(key)), force})
+    for (const auto& [key, force] : ofPoints_) {
+      for (const double value : {static_cast<double>(std::get<0>(key)), static_cast<double>(std::get<1>(key)),
+                                 static_cast<double>(std::get<2>(key)), force.along})
         points.push_back(value);
+      points.insert(points.end(), force.across.begin(), force.across.end());
+      points.insert(points.end(), force.normal.begin(), force.normal.end());
+    }
     points = gatherAll(*constraints.rowMap()->getComm(), points);
   }
   archive.numbers(name + " of points", points);
@@ -134,7 +172,9 @@ void CarriedForces::exchange(qp::StateArchive<MultiVector>& archive, const std::
   ofPoints_.clear(); // those of other ranks do no harm
   for (std::size_t k = 0; k + width <= points.size(); k += width)
     ofPoints_[Key{static_cast<std::size_t>(points[k]), static_cast<long long>(points[k + 1]),
-                  static_cast<int>(points[k + 2]), static_cast<int>(points[k + 3])}] = points[k + 4];
+                  static_cast<int>(points[k + 2])}] = {points[k + 3],
+                                                       {points[k + 4], points[k + 5], points[k + 6]},
+                                                       {points[k + 7], points[k + 8], points[k + 9]}};
   const auto view = rest.getLocalViewHost(Tpetra::Access::ReadOnly);
   rest_.assign(view.data(), view.data() + view.extent(0));
 }

@@ -12,8 +12,8 @@
 namespace Harmos::run {
 
 /// Forces of rows of B for other rows: contacts that are made anew where bodies have moved. A contact keeps
-/// the force of the one that its effect had at the same node; one that is new has none. Ties, equations and
-/// gluing rows stay what they are.
+/// the force of the one that its effect had at the same node, turned as its normal has turned; one that is
+/// new has none. Ties, equations and gluing rows stay what they are.
 ///
 /// Guarded by tests/unit/run/test_finite_displacements.cpp.
 class CarriedForces {
@@ -34,15 +34,25 @@ class CarriedForces {
                 const feti::Constraints& constraints);
 
  private:
-  // Effect, node, side, and 0 of the normal or the place of a tangent, from 1.
-  using Key = std::tuple<std::size_t, long long, int, int>;
-  std::vector<std::pair<long long, Key>> rowsOf(const feti::Constraints& constraints,
-                                                const scene::ContactSetup& contact) const;
+  using Key = std::tuple<std::size_t, long long, int>; // effect, node, side
+  struct Force {
+    double along = 0.0;  // the normal
+    fem::Point across{}; // of friction: tangents are others where surfaces turn
+    fem::Point normal{};
+  };
+  // Of a point of contact, or of one of the tangents at it.
+  struct Row {
+    long long number; // in B
+    std::size_t point;
+    const fem::Point* tangent; // or null
+  };
+  std::vector<Row> rowsOf(const feti::Constraints& constraints, const scene::ContactSetup& contact) const;
+  std::vector<Key> keysOf(const scene::ContactSetup& contact) const;
 
   const scene::Scene* scene_;
   bool isKept_ = false;
-  std::map<Key, double> ofPoints_; // of this rank, physical
-  std::vector<double> rest_;       // of the rows that stay, scaled, in the order of this rank's
+  std::map<Key, Force> ofPoints_; // of this rank, physical
+  std::vector<double> rest_;      // of the rows that stay, scaled, in the order of this rank's
 };
 
 } // namespace Harmos::run

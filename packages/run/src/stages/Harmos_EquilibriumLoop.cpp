@@ -48,6 +48,26 @@ double largestOf(const Teuchos::Comm<int>& comm, const feti::TornVector& values)
   return globalMax(comm, largest);
 }
 
+// Numbers of each rank's own; nothing on another number of ranks. Collective.
+void exchangeOfRanks(const Teuchos::Comm<int>& comm, qp::StateArchive<MultiVector>& archive,
+                     const std::string& name, std::vector<double>& numbers) {
+  std::vector<double> counts, all;
+  if (!archive.isReading()) {
+    counts = gatherAll(comm, std::vector<double>{static_cast<double>(numbers.size())});
+    all = gatherAll(comm, numbers);
+  }
+  archive.numbers(name + ", counts", counts);
+  archive.numbers(name, all);
+  if (!archive.isReading())
+    return;
+  numbers.clear();
+  if (counts.size() != static_cast<std::size_t>(comm.getSize()))
+    return;
+  const auto own = counts.begin() + comm.getRank();
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(std::accumulate(counts.begin(), own, 0.0));
+  numbers.assign(first, first + static_cast<std::ptrdiff_t>(*own));
+}
+
 // Of a solve within an iteration: what is kept is where the next one begins, not where the solver is.
 class WatchedIteration : public feti::DualMonitor {
  public:
@@ -128,6 +148,13 @@ std::string EquilibriumLoop::faultOf(const feti::TornVector& displacement) const
       throw;
     return {};
   }
+}
+
+// To what made a step fail.
+void EquilibriumLoop::blameFault(const feti::TornVector& displacement) {
+  const std::string fault = faultOf(displacement);
+  if (!fault.empty() && failure_.find(fault) == std::string::npos)
+    failure_ += "; " + fault;
 }
 
 // Rows of how displacements change from here.
@@ -249,10 +276,12 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonito
   const feti::DualStages stages = run_.pipeline().stages();
   std::optional<feti::WarmStart> start;
   if (!trial_.forces.isEmpty())
-    start = feti::WarmStart{trial_.forces.on(*stages.constraints, run_.contact()), {}};
+    start = feti::WarmStart{trial_.forces.on(*stages.constraints, run_.contact()), trial_.motions, true};
   const Outcome outcome = solveTo(start, log, monitor, change);
-  if (outcome == Outcome::Converged)
+  if (outcome == Outcome::Converged) {
     trial_.forces.keep(*stages.constraints, run_.contact(), *change.torn.multiplier);
+    trial_.motions = change.motions;
+  }
   return outcome;
 }
 
@@ -261,6 +290,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveTo(const std::optional<feti::Warm
                                                   RunMonitor& monitor, Change& change) {
   const feti::DualStages stages = run_.pipeline().stages();
   std::optional<feti::WarmStart> start = given;
+  double last = std::numeric_limits<double>::infinity();
   while (true) {
     feti::DualSolution solution;
     if (const Outcome outcome = solveOnce(start ? &*start : nullptr, log, monitor, solution);
@@ -269,17 +299,20 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveTo(const std::optional<feti::Warm
     const auto scope = context_.timers.scope("recovery");
     change.torn = feti::recover(*stages.system, *stages.constraints, *stages.inverses, *stages.coarse,
                                 *stages.problem, *solution.lambda, solution.mu);
+    change.motions = solution.mu;
     change.joined = change.torn.displacement;
     stages.system->leaveFrames(change.joined);
     change.jump = bodies_.joinCopies(change.joined);
     change.merit = meritOf(change.joined);
     const double error = feti::energyError(stages, run_.pipeline().scaling(), change.torn),
                  allowed = share * std::max(change.merit, context_.options.tolerance * progress_.scale);
-    if (error <= allowed || progress_.tolerance <= leastTolerance)
+    constexpr double further = 0.5; // or errors are those of rounding
+    if (error <= allowed || progress_.tolerance <= leastTolerance || error > further * last)
       break;
+    last = error;
     progress_.tolerance =
         std::max(leastTolerance, std::min(0.5, 0.5 * allowed / error) * progress_.tolerance);
-    start = feti::WarmStart{change.torn.multiplier, solution.mu};
+    start = feti::WarmStart{change.torn.multiplier, solution.mu, true};
   }
   return Outcome::Converged;
 }
@@ -342,9 +375,8 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
   };
   try {
     const Outcome outcome = iterate(time, log, monitor, save);
-    if (const std::string fault = outcome == Outcome::Failed ? faultOf(trial_.displacement) : "";
-        !fault.empty() && failure_ != fault)
-      failure_ += "; " + fault;
+    if (outcome == Outcome::Failed)
+      blameFault(trial_.displacement);
     return outcome;
   } catch (const NumericalError& error) { // on all ranks: of a state on the way, which smaller steps avoid
     return fail(error);
@@ -384,8 +416,10 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
                isSlow = iterations_ > 1 && change.merit > contraction * progress_.last;
     progress_.isSlow = (isSlow && isWrong) || stiffness > stiffening;
     progress_.last = change.merit;
-    if (isStuck(change.merit))
+    if (isStuck(change.merit)) {
+      blameFault(answer); // it may be in every other iterate
       return Outcome::Failed;
+    }
     moveOn(answer, isWhole, forces);
     if (isSaveDue_)
       save();
@@ -428,10 +462,9 @@ feti::TornVector EquilibriumLoop::balance(const feti::TornVector& displacement) 
   return result;
 }
 
-// K_T v, by central differences.
+// K_T v, by central differences. @param share of strains.
 feti::TornVector EquilibriumLoop::wholeStiffness(const feti::TornVector& answer,
-                                                 const feti::TornVector& motion) const {
-  constexpr double share = 1e-5; // of strains
+                                                 const feti::TornVector& motion, double share) const {
   const double step = share * progress_.scale;
   feti::TornVector result = balance(sum(answer, -step, motion));
   const feti::TornVector beyond = balance(sum(answer, step, motion));
@@ -463,7 +496,8 @@ std::optional<feti::TornVector> EquilibriumLoop::motionUnder(const feti::TornVec
   Change more;
   run_.pipeline().setLoads(loads);
   try {
-    if (solveTo(feti::WarmStart{change.torn.multiplier, {}}, log, monitor, more) == Outcome::Converged)
+    if (solveTo(feti::WarmStart{change.torn.multiplier, trial_.motions, true}, log, monitor, more) ==
+        Outcome::Converged)
       return sum(more.joined, -1.0, change.joined);
   } catch (const NumericalError&) { // on all ranks: the force is on a motion that nothing holds
   }
@@ -482,10 +516,11 @@ std::string EquilibriumLoop::instability(const feti::TornVector& answer, const C
     for (double& entry : force[i])
       entry = std::sqrt(entry) * (2.0 * static_cast<double>(random()) / std::minstd_rand::max() - 1.0);
   }
+  constexpr double step = 1e-5, less = 0.125;
   const StiffnessActions actions = {
       [&](const feti::TornVector& f) { return motionUnder(f, change, log, monitor); },
       [&](const feti::TornVector& v) { return image(v); },
-      [&](const feti::TornVector& v) { return wholeStiffness(answer, v); },
+      [&](const feti::TornVector& v) { return wholeStiffness(answer, v, step); },
       [&](const feti::TornVector& v, const feti::TornVector& f) { return workOf(f, v); }};
   const std::optional<LeastStiffness> least = leastStiffness(actions, std::move(force));
   run_.pipeline().setLoads(posed_);
@@ -494,6 +529,10 @@ std::string EquilibriumLoop::instability(const feti::TornVector& answer, const C
   static_cast<feti::SolveReport&>(context_.report) = before;
   context_.report.result.counters = counted.counters;
   if (!least || least->value >= 0.0)
+    return {};
+  // Forces that jump, as where contacts end at edges, have differences that grow as steps become smaller.
+  const double again = workOf(wholeStiffness(answer, least->motion, less * step), least->motion);
+  if (!(again < 0.5 * least->value && again > 2.0 * least->value))
     return {};
   return "the equilibrium is not stable: bodies that are moved a little buckle, most of all at " +
          placeText(bodies_.placeOfLargest(least->motion)) + " (stiffness along this " +
@@ -542,6 +581,7 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   committed_.forces.exchange(archive, "forces", constraints);
   committed_.slips.exchange(*context_.comm, archive);
   archive.number("time committed", committed_.time);
+  exchangeOfRanks(*context_.comm, archive, "motions", committed_.motions);
   archive.number("energy", committed_.energy);
   archive.number("size of forces", committed_.forceSize);
   bool follows = !committed_.following.empty();
@@ -558,6 +598,7 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.number("time of the iteration", trial_.time);
   torn.exchange("displacement of the iteration", trial_.displacement);
   trial_.forces.exchange(archive, "forces of the iteration", constraints);
+  exchangeOfRanks(*context_.comm, archive, "motions of the iteration", trial_.motions);
   archive.number("Newton iterations", iterations_);
   archive.number("tolerance of solves", progress_.tolerance);
   archive.number("scale of the merit", progress_.scale);

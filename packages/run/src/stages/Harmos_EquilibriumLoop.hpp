@@ -66,8 +66,9 @@ class EquilibriumLoop {
   struct State {
     feti::TornVector displacement;
     CarriedForces forces;
-    PointSlips slips;                // since the run began
-    feti::TornVector following = {}; // loads that go with the bodies; none without any
+    PointSlips slips;                 // since the run began
+    feti::TornVector following = {};  // loads that go with the bodies; none without any
+    std::vector<double> motions = {}; // of the coarse problem that was solved last
     double time = 0.0, energy = 0.0, forceSize = 0.0;
   };
   // How the merit came down.
@@ -80,11 +81,13 @@ class EquilibriumLoop {
   // What a quadratic program says: du in the frames, and with equal copies, without; ‖du‖_K̂.
   struct Change {
     feti::TornSolution torn;
+    std::vector<double> motions; // of the coarse problem
     feti::TornVector joined;
     double jump = 0.0, merit = 0.0; // jump: the largest that was joined
   };
   Outcome iterate(double time, const Log& log, RunMonitor& monitor, const std::function<void()>& save);
   std::string faultOf(const feti::TornVector& displacement) const;
+  void blameFault(const feti::TornVector& displacement);
   scene::ContactSetup contactAt(double time, const feti::TornVector& displacement) const;
   void pose(double time, const feti::TornVector& internal);
   Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);
@@ -101,7 +104,8 @@ class EquilibriumLoop {
                           RunMonitor& monitor);
   std::optional<feti::TornVector> motionUnder(const feti::TornVector& force, const Change& change,
                                               const Log& log, RunMonitor& monitor);
-  feti::TornVector wholeStiffness(const feti::TornVector& answer, const feti::TornVector& motion) const;
+  feti::TornVector wholeStiffness(const feti::TornVector& answer, const feti::TornVector& motion,
+                                  double share) const;
   feti::TornVector balance(const feti::TornVector& displacement) const;
   feti::TornVector rowForces(const feti::Constraints& constraints, const MultiVector& multiplier) const;
   DeformedBodies::Forces forcesAt(const feti::TornVector& displacement) const;
