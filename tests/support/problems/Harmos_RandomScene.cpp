@@ -443,7 +443,7 @@ RandomScene randomFrictionScene(unsigned seed, double most) {
 }
 
 std::string RandomScene::text() const {
-  static const char* const names[] = {"membrane", "plane strain", "plane stress", "solid"};
+  static const char* const names[] = {"membrane", "plane strain", "plane stress", "axisymmetric", "solid"};
   std::string line = "seed " + std::to_string(seed) + ": " + names[static_cast<int>(scene.physics)] + ", " +
                      std::to_string(scene.bodies.size()) + " bodies, " + std::to_string(scene.subdomains()) +
                      " subdomains, tolerance " + scientific(tolerance, 1);
