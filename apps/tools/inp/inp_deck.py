@@ -13,11 +13,6 @@ from inp_model import TYPES
 from inp_parts import Parts, safe
 
 AXES = "xyz"
-# Effects of bodies at finite displacements.
-FINITE = {
-    "Body force", "Centrifugal force", "Contact", "Force", "Friction", "Linear constraint", "Prescribed displacement",
-    "Thermal strain", "Tie", "Traction",
-}
 TOUCHING = 1e-300  # ADJUST=0: of surfaces that overlap alone; 0 is none for Harmos
 
 
@@ -414,15 +409,14 @@ class Conversion:
                     self.add_effect("Friction", name, Contact=name, Coefficient=interaction.friction)
 
     def choose_kinematics(self):
-        """NLGEOM of any step is that of all, where all effects go with it."""
-        others = sorted(set(self.effects) - FINITE)
-        if self.model.nlgeom and others:
+        """NLGEOM of any step is that of all."""
+        if not self.model.nlgeom:
+            return
+        self.kinematics = "finite"
+        if self.model.pretensions:
             self.notes.append(
-                f"{self.model.nlgeom}: NLGEOM asks for finite deformations, which {', '.join(others)} does not go with; "
-                "displacements are taken to be small"
+                f"{self.model.nlgeom}: NLGEOM beside a pretension: bolts keep the direction that they have at rest"
             )
-        elif self.model.nlgeom:
-            self.kinematics = "finite"
 
     def extent(self):
         return float(np.linalg.norm(np.ptp(list(self.model.nodes.values()), axis=0)))

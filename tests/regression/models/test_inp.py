@@ -437,8 +437,8 @@ class Faults(unittest.TestCase):
         turns = lines + step("*DLOAD", "UPPER, CENTRIF, 4., 0., 0., 9., 0., 0., 2.", head="*STEP, NLGEOM")
         done = convert(write(turns))
         self.assertEqual(done.returncode, 0, done.stderr)
-        for words in ("ADJUST of a node set", "NLGEOM asks for finite deformations, which Centrifugal force"):
-            self.assertIn(words, done.stdout)
+        self.assertIn("ADJUST of a node set", done.stdout)
+        self.assertNotIn("NLGEOM", done.stdout)
 
     def test_nlgeom_is_taken_where_all_effects_go_with_it(self):
         for head, kinematics in (("*STEP, NLGEOM", 1), ("*STEP, NLGEOM=NO", 0), ("*STEP", 0)):
