@@ -82,9 +82,9 @@ RESCUES = (
           '          (HARMOS_TUNED("off: nearest set at bounds", 0.0) == 0.0 && isAtAllBounds(nearest.scale()))) {',
           (1.0,), "the same, where the start is at all bounds"),
     Place("off: start with active", f"{PACKAGE}/{FIRST}",
-          "if (s_.change.wrongSign2 <= mostWrong * atBounds2 && s_.solver.start(s_.face)) {",
-          'if (s_.change.wrongSign2 <= mostWrong * atBounds2 && HARMOS_TUNED("off: start with active", 0.0) == 0.0 &&\n'
-          "        s_.solver.start(s_.face)) {",
+          "if (!hasPairs && s_.change.wrongSign2 <= mostWrong * atBounds2 && s_.solver.start(s_.face)) {",
+          'if (!hasPairs && s_.change.wrongSign2 <= mostWrong * atBounds2 &&\n'
+          '        HARMOS_TUNED("off: start with active", 0.0) == 0.0 && s_.solver.start(s_.face)) {',
           (1.0,), "the gradient at zero on the face where all bounds are active"),
     Place("off: kept directions", f"{PACKAGE}/{PDAS}",
           '  options.mostKept = list.get<int>("Kept directions");',

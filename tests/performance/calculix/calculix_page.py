@@ -47,8 +47,8 @@ Keywords for output are ignored: Harmos always writes displacements, stresses at
 ## What differs
 
 * **NLGEOM** of any step makes [displacements finite](scenes.md#large-displacements) in all of them, with the St.
-  Venant-Kirchhoff law as in CalculiX. Where effects of the model do not go with it, as temperatures, a note says so,
-  and displacements are taken to be small.
+  Venant-Kirchhoff law as in CalculiX. Bolts under pretension keep the direction that they have at rest, which a note
+  says.
 * **Contact and ties** are mortar couplings where meshes do not match. CalculiX ties nodes to faces one by one, which
   does not pass the patch test on meshes that do not match.
 * **Integration.** Elements of full integration are integrated exactly on straight cells. CalculiX has 4 points in C3D10

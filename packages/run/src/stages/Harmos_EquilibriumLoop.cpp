@@ -4,8 +4,6 @@
 #include "Harmos_AnswerJudge.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_LeastStiffness.hpp"
-#include "Harmos_MovedSubdomains.hpp"
-#include "Harmos_MovingBounds.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_Recovery.hpp"
 #include "Harmos_TornArchive.hpp"
@@ -38,14 +36,6 @@ feti::TornVector sum(const feti::TornVector& a, double factor, const feti::TornV
     for (std::size_t k = 0; k < a[i].size(); ++k)
       result[i][k] += factor * b[i][k];
   return result;
-}
-
-double largestOf(const Teuchos::Comm<int>& comm, const feti::TornVector& values) {
-  double largest = 0.0;
-  for (const std::vector<double>& part : values)
-    for (const double value : part)
-      largest = std::max(largest, std::abs(value));
-  return globalMax(comm, largest);
 }
 
 // Numbers of each rank's own; nothing on another number of ranks. Collective.
@@ -96,6 +86,7 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
     : context_(context),
       run_(run),
       bodies_(*context.comm, context.scene, run.owned()),
+      balance_(context, run, bodies_),
       mixing_(*context.comm, weights_),
       committed_{
           run.pipeline().system().zeroVector(), CarriedForces(context.scene), PointSlips(context.scene), {}},
@@ -137,57 +128,11 @@ void EquilibriumLoop::commit() {
   committed_ = trial_;
 }
 
-// What effects forbid of bodies in equilibrium and do not see, as contacts that are too deep; of states on
-// the way that nothing can be asked of nothing.
-std::string EquilibriumLoop::faultOf(const feti::TornVector& displacement) const {
-  try {
-    return scene::faultOfMoved(*context_.comm, context_.scene, run_.owned(),
-                               scene::moved(run_.owned(), displacement));
-  } catch (const InputError& error) {
-    if (!error.isAgreed())
-      throw;
-    return {};
-  }
-}
-
 // To what made a step fail.
 void EquilibriumLoop::blameFault(const feti::TornVector& displacement) {
-  const std::string fault = faultOf(displacement);
+  const std::string fault = balance_.faultOf(displacement);
   if (!fault.empty() && failure_.find(fault) == std::string::npos)
     failure_ += "; " + fault;
-}
-
-// Rows of how displacements change from here.
-scene::ContactSetup EquilibriumLoop::contactAt(double time, const feti::TornVector& displacement) const {
-  scene::EffectCosts costs(context_.scene); // those of the set-up are told
-  scene::ContactSetup contact = scene::setUpMovedContact(*context_.comm, context_.scene, run_.owned(),
-                                                         scene::moved(run_.owned(), displacement), costs);
-  MovingBounds(context_.scene, contact).move(contact.rows, time);
-  const std::vector<double> now = bodies_.products(contact.rows, displacement),
-                            begun = bodies_.products(contact.rows, committed_.displacement);
-  for (std::size_t k = 0; k < contact.rows.size(); ++k) {
-    ConstraintRow& row = contact.rows[k];
-    if (row.kind == ConstraintRow::Kind::Equality)
-      row.bound -= now[k];
-    else if (row.kind == ConstraintRow::Kind::Limited) // slip since the step began
-      row.bound -= now[k] - begun[k];
-  }
-  return contact;
-}
-
-// Those that keep their direction, and those that go with the bodies.
-EquilibriumLoop::Loads EquilibriumLoop::loadsAt(double time, const feti::TornVector& displacement) const {
-  const feti::TornVector following = bodies_.followingLoads(displacement, time);
-  if (following.empty())
-    return dead_;
-  Loads result;
-  for (std::size_t i = 0; i < following.size(); ++i) {
-    auto load = std::make_shared<std::vector<double>>(*dead_[i]);
-    for (std::size_t k = 0; k < load->size(); ++k)
-      (*load)[k] += following[i][k];
-    result.push_back(load);
-  }
-  return result;
 }
 
 // Of loads that go with the bodies, on the way of the step: by the trapezoidal rule.
@@ -213,7 +158,7 @@ double EquilibriumLoop::thermalWork(const feti::TornVector& answer, double energ
 }
 
 void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
-  const Loads loads = loadsAt(time, trial_.displacement);
+  const Loads loads = balance_.loadsAt(trial_.displacement);
   const feti::SubdomainSystem& system = run_.pipeline().system();
   RunStages::Iterate iterate;
   iterate.time = time;
@@ -237,7 +182,7 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
   }
   {
     const auto scope = context_.timers.scope("dual_operator");
-    iterate.contact = contactAt(time, trial_.displacement);
+    iterate.contact = balance_.contactAt(trial_.displacement);
     iterate.slipsBefore = committed_.slips.of(iterate.contact);
   }
   posed_ = iterate.loads;
@@ -339,7 +284,7 @@ bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer,
   constexpr double least = 1e-3;
   for (double part = 1.0; part > least; part *= 0.5) {
     answer = sum(trial_.displacement, part, change.joined);
-    forces = forcesAt(answer);
+    forces = balance_.forcesAt(answer);
     if (forces.isSound)
       return part == 1.0;
   }
@@ -389,9 +334,9 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
 
 EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, RunMonitor& monitor,
                                                   const std::function<void()>& save) {
-  dead_ = run_.loads().loads(time);
+  balance_.begin(time, committed_.displacement);
   trial_.time = time;
-  DeformedBodies::Forces forces = forcesAt(trial_.displacement);
+  DeformedBodies::Forces forces = balance_.forcesAt(trial_.displacement);
   while (true) {
     ++iterations_;
     pose(time, forces.internal);
@@ -430,11 +375,12 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
 bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
                                    const DeformedBodies::Forces& forces, const Change& change, const Log& log,
                                    RunMonitor& monitor) {
-  const Loads loads = loadsAt(time, answer);
-  const feti::KktAudit audited = audit(time, {answer, forces, loads, change});
+  const Loads loads = balance_.loadsAt(answer);
+  const Balance::Answer given = {answer, forces, loads, trial_.forces, change.torn, change.jump};
+  const feti::KktAudit audited = balance_.audit(given);
   if (!agrees(audited, answer))
     return false;
-  failure_ = faultOf(answer);
+  failure_ = balance_.faultOf(answer);
   if (failure_.empty())
     failure_ = instability(answer, change, log, monitor);
   if (!failure_.empty())
@@ -443,31 +389,17 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   trial_.energy = forces.energy;
   trial_.forceSize = audited.forces;
   work_ = followingWork(time, answer) + thermalWork(answer, forces.energy);
-  run_.take({change.torn, answer, loads, reactions(forces, loads, change), audited});
+  run_.take({change.torn, answer, loads, balance_.reactions(given), audited});
   trial_.slips.keep(run_.contact(), context_.report.contact);
   return true;
-}
-
-// What stresses, contacts and loads are out of balance by where bodies are moved on, with the forces of
-// contact that they have.
-feti::TornVector EquilibriumLoop::balance(const feti::TornVector& displacement) const {
-  const scene::ContactSetup contact = contactAt(trial_.time, displacement);
-  const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
-  feti::TornVector result = rowForces(*constraints, *trial_.forces.on(*constraints, contact));
-  const DeformedBodies::Forces forces = forcesAt(displacement);
-  const Loads loads = loadsAt(trial_.time, displacement);
-  for (std::size_t i = 0; i < result.size(); ++i)
-    for (std::size_t k = 0; k < result[i].size(); ++k)
-      result[i][k] = (*loads[i])[k] - forces.internal[i][k] - result[i][k];
-  return result;
 }
 
 // K_T v, by central differences. @param share of strains.
 feti::TornVector EquilibriumLoop::wholeStiffness(const feti::TornVector& answer,
                                                  const feti::TornVector& motion, double share) const {
   const double step = share * progress_.scale;
-  feti::TornVector result = balance(sum(answer, -step, motion));
-  const feti::TornVector beyond = balance(sum(answer, step, motion));
+  feti::TornVector result = balance_.at(sum(answer, -step, motion), trial_.forces);
+  const feti::TornVector beyond = balance_.at(sum(answer, step, motion), trial_.forces);
   for (std::size_t i = 0; i < result.size(); ++i)
     for (std::size_t k = 0; k < result[i].size(); ++k)
       result[i][k] = (result[i][k] - beyond[i][k]) / (2.0 * step);
@@ -537,11 +469,6 @@ std::string EquilibriumLoop::instability(const feti::TornVector& answer, const C
   return "the equilibrium is not stable: bodies that are moved a little buckle, most of all at " +
          placeText(bodies_.placeOfLargest(least->motion)) + " (stiffness along this " +
          scientific(least->value) + " of that without stresses)";
-}
-
-DeformedBodies::Forces EquilibriumLoop::forcesAt(const feti::TornVector& displacement) const {
-  const auto scope = context_.timers.scope("assembly");
-  return bodies_.forces(displacement, trial_.time);
 }
 
 double EquilibriumLoop::workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const {
@@ -623,7 +550,7 @@ void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, Defor
     return;
   }
   const feti::TornVector mixed = mixing_.next(answer, change);
-  DeformedBodies::Forces ofMixed = forcesAt(mixed);
+  DeformedBodies::Forces ofMixed = balance_.forcesAt(mixed);
   if (!ofMixed.isSound)
     return;
   trial_.displacement = mixed;
@@ -642,81 +569,6 @@ bool EquilibriumLoop::agrees(const feti::KktAudit& audited, const feti::TornVect
              allowed * std::max(audited.forces, committed_.forceSize) +
                  rounding * audited.unitForce * audited.largestDisplacement &&
          audited.penetration <= allowed * moved + rounding * audited.largestDisplacement;
-}
-
-// By which prescribed values are held: internal forces, loads and those of rows out of balance.
-std::vector<std::vector<double>> EquilibriumLoop::reactions(const DeformedBodies::Forces& forces,
-                                                            const Loads& loads, const Change& change) const {
-  const feti::SubdomainSystem& system = run_.pipeline().system();
-  std::vector<std::vector<double>> result =
-      run_.pipeline().constraints()->heldForces(*change.torn.multiplier);
-  for (std::size_t i = 0; i < result.size(); ++i)
-    for (std::size_t k = 0; k < result[i].size(); ++k) {
-      const auto dof = static_cast<std::size_t>(system.subdomain(static_cast<int>(i)).fixed[k].dof);
-      result[i][k] += forces.internal[i][dof] - (*loads[i])[dof];
-    }
-  return result;
-}
-
-// Bᵀλ, without frames.
-feti::TornVector EquilibriumLoop::rowForces(const feti::Constraints& constraints,
-                                            const MultiVector& multiplier) const {
-  const feti::SubdomainSystem& system = run_.pipeline().system();
-  const std::vector<double> overlap = constraints.toOverlap(multiplier);
-  feti::TornVector result = system.zeroVector();
-  for (std::size_t i = 0; i < result.size(); ++i)
-    constraints.addBt(static_cast<int>(i), overlap.data(), result[i].data());
-  system.leaveFrames(result);
-  return result;
-}
-
-feti::KktAudit EquilibriumLoop::audit(double time, const Answer& given) const {
-  const auto& [answer, forces, loads, change] = given;
-  const Teuchos::Comm<int>& comm = *context_.comm;
-  const feti::SubdomainSystem& system = run_.pipeline().system();
-  feti::KktAudit result = feti::audit(system, *run_.pipeline().constraints(), change.torn);
-  const scene::ContactSetup contact = contactAt(time, answer);
-  const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
-  const Teuchos::RCP<const MultiVector> multiplier = trial_.forces.on(*constraints, contact);
-  const feti::TornVector allOfRows = rowForces(*constraints, *multiplier);
-  std::vector<double> sums(5, 0.0); // squares: out of balance, loads, internal, of rows; work of loads
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    const std::vector<double>& ofRows = allOfRows[i];
-    std::vector<char> isFixed(ofRows.size(), 0);
-    for (const feti::FixedDof& fixed : system.subdomain(static_cast<int>(i)).fixed)
-      isFixed[static_cast<std::size_t>(fixed.dof)] = 1;
-    for (std::size_t k = 0; k < ofRows.size(); ++k) {
-      const double load = (*loads[i])[k], internal = forces.internal[i][k];
-      sums[4] += (*dead_[i])[k] * answer[i][k];
-      if (isFixed[k] != 0)
-        continue;
-      sums[0] += std::pow(load - internal - ofRows[k], 2);
-      sums[1] += load * load;
-      sums[2] += internal * internal;
-      sums[3] += ofRows[k] * ofRows[k];
-    }
-  }
-  globalSum(comm, sums);
-  const double largest = std::max({sums[1], sums[2], sums[3]});
-  result.equilibrium = largest > 0.0 ? std::sqrt(sums[0] / largest) : 0.0;
-  result.forces = std::sqrt(largest);
-  const std::vector<double> multipliers = constraints->givenMultipliers(*multiplier);
-  double penetration = 0.0, product = 0.0;
-  for (std::size_t k = 0; k < contact.rows.size(); ++k)
-    if (const ConstraintRow& row = contact.rows[k]; row.kind == ConstraintRow::Kind::Inequality) {
-      const double gap = row.bound + row.compliance * multipliers[k];
-      penetration = std::max(penetration, -gap);
-      product += multipliers[k] * gap;
-    }
-  result.penetration = globalMax(comm, penetration);
-  result.complementarity = std::abs(globalSum(comm, product));
-  result.gluingJump = change.jump;
-  result.largestDisplacement = largestOf(comm, answer);
-  result.energyNorm = std::sqrt(2.0 * forces.energy);
-  const double ofConstraints = result.energy - result.primalEnergy;
-  result.primalEnergy = forces.energy - sums[4];
-  result.energy = result.primalEnergy + ofConstraints;
-  return result;
 }
 
 } // namespace Harmos::run

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_AndersonMixing.hpp"
+#include "Harmos_Balance.hpp"
 #include "Harmos_CarriedForces.hpp"
 #include "Harmos_DeformedBodies.hpp"
 #include "Harmos_PointSlips.hpp"
@@ -54,7 +55,7 @@ class EquilibriumLoop {
   double furtherWork() const { return work_; }
 
  private:
-  using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
+  using Loads = Balance::Loads;
   // Where the tangent was made: it turns with the bodies until it is made anew.
   struct Base {
     feti::TornVector displacement;
@@ -86,9 +87,7 @@ class EquilibriumLoop {
     double jump = 0.0, merit = 0.0; // jump: the largest that was joined
   };
   Outcome iterate(double time, const Log& log, RunMonitor& monitor, const std::function<void()>& save);
-  std::string faultOf(const feti::TornVector& displacement) const;
   void blameFault(const feti::TornVector& displacement);
-  scene::ContactSetup contactAt(double time, const feti::TornVector& displacement) const;
   void pose(double time, const feti::TornVector& internal);
   Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);
   Outcome solveTo(const std::optional<feti::WarmStart>& start, const Log& log, RunMonitor& monitor,
@@ -106,27 +105,13 @@ class EquilibriumLoop {
                                               const Log& log, RunMonitor& monitor);
   feti::TornVector wholeStiffness(const feti::TornVector& answer, const feti::TornVector& motion,
                                   double share) const;
-  feti::TornVector balance(const feti::TornVector& displacement) const;
-  feti::TornVector rowForces(const feti::Constraints& constraints, const MultiVector& multiplier) const;
-  DeformedBodies::Forces forcesAt(const feti::TornVector& displacement) const;
   double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
   double scaleOf(const feti::TornVector& answer, double energy) const;
   bool isStuck(double merit);
   void rebase(const State& state);
   std::vector<std::optional<feti::Frame>> frames() const;
-  std::vector<std::vector<double>> reactions(const DeformedBodies::Forces& forces, const Loads& loads,
-                                             const Change& change) const;
   void tell(double merit) const;
   void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);
-  // An equilibrium that is to be audited.
-  struct Answer {
-    const feti::TornVector& displacement;
-    const DeformedBodies::Forces& forces;
-    const Loads& loads;
-    const Change& change;
-  };
-  feti::KktAudit audit(double time, const Answer& given) const;
-  Loads loadsAt(double time, const feti::TornVector& displacement) const;
   double followingWork(double time, const feti::TornVector& answer);
   double thermalWork(const feti::TornVector& answer, double energy) const;
   bool agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const;
@@ -134,11 +119,11 @@ class EquilibriumLoop {
   RunContext context_;
   RunStages& run_;
   DeformedBodies bodies_;
+  Balance balance_;
   feti::TornVector weights_; // of the norm by which changes are mixed
   AndersonMixing mixing_;
   State committed_, trial_;
   Base base_;
-  Loads dead_;  // that keep their direction
   Loads posed_; // of the problem that was posed last
   Progress progress_;
   double work_ = 0.0; // of following loads and temperatures
