@@ -58,6 +58,16 @@ feti::TornVector displacementOf(const std::vector<scene::OwnedSubdomain>& owned,
   return u;
 }
 
+// Each row's its number.
+MultiVector numberedForces(const feti::Constraints& constraints) {
+  MultiVector forces(constraints.rowMap(), 1);
+  const auto view = forces.getLocalViewHost(Tpetra::Access::OverwriteAll);
+  for (std::size_t r = 0; r < view.extent(0); ++r)
+    view(r, 0) =
+        1.0 + static_cast<double>(constraints.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(r)));
+  return forces;
+}
+
 } // namespace
 
 // u ← Au + b with a matrix A of three eigenvalues, one of which diverges: mixed, it is there after four
@@ -157,12 +167,7 @@ TEST(CarriedForces, go_with_nodes) {
   };
   const scene::ContactSetup before = contactAfter(0.0), after = contactAfter(1.4);
   const feti::Constraints first(system, before.rows), second(system, after.rows);
-  MultiVector lambda(first.rowMap(), 1);
-  {
-    const auto view = lambda.getLocalViewHost(Tpetra::Access::OverwriteAll);
-    for (std::size_t r = 0; r < view.extent(0); ++r)
-      view(r, 0) = 1.0 + static_cast<double>(first.rowMap()->getGlobalElement(static_cast<LocalOrdinal>(r)));
-  }
+  const MultiVector lambda = numberedForces(first);
   run::CarriedForces carried(scene);
   EXPECT_TRUE(carried.isEmpty());
   carried.keep(first, before, lambda);
@@ -227,12 +232,7 @@ TEST(CarriedForces, turn_with_surfaces) {
   constexpr double angle = 1e-7;
   const scene::ContactSetup before = contactTurned(angle, 0.0), after = contactTurned(0.0, angle);
   const feti::Constraints first(system, before.rows), second(system, after.rows);
-  MultiVector lambda(first.rowMap(), 1);
-  {
-    const auto view = lambda.getLocalViewHost(Tpetra::Access::OverwriteAll);
-    for (std::size_t r = 0; r < view.extent(0); ++r)
-      view(r, 0) = 1.0 + static_cast<double>(first.rowMap()->getGlobalElement(static_cast<int>(r)));
-  }
+  const MultiVector lambda = numberedForces(first);
   run::CarriedForces carried(scene);
   carried.keep(first, before, lambda);
   const auto had = forcesOf(first, before, lambda), has = forcesOf(second, after, *carried.on(second, after));

@@ -95,9 +95,8 @@ class MotionBasis {
 
 std::optional<LeastStiffness> leastStiffness(const StiffnessActions& actions, feti::TornVector force) {
   constexpr std::size_t most = 6;
-  // Errors of motions and of differences; and where stresses change stiffness by so little that motions more
-  // would hardly bring it below zero.
-  constexpr double errors = 1e-3, little = 0.5;
+  // Where stresses change stiffness by so little, motions more would hardly bring it below zero.
+  constexpr double little = 0.5;
   MotionBasis basis(actions);
   std::optional<LeastStiffness> result;
   while (basis.size() < most) {
@@ -106,7 +105,7 @@ std::optional<LeastStiffness> leastStiffness(const StiffnessActions& actions, fe
       break;
     double largest = 0.0;
     result = basis.least(largest);
-    if (result->value < -errors || (result->value > 1.0 - little && largest < 1.0 + little))
+    if (result->isBelowZero() || (result->value > 1.0 - little && largest < 1.0 + little))
       break;
     force = basis.residual();
   }

@@ -25,8 +25,11 @@ struct StiffnessActions {
 /// Structures, 1991, chapter 4). Above zero nothing is proved, but that Lanczos' iteration for K̂⁻¹K_T, whose
 /// first vectors show what is slender, has not found any.
 struct LeastStiffness {
+  /// Of motions that are found by solves to a hundredth, and of differences: to what values are known.
+  static constexpr double errors = 1e-3;
   double value = 1.0;
   feti::TornVector motion;
+  bool isBelowZero() const { return value < -errors; }
 };
 /// @param force that the first motion is of: of all of them a little. It stops where the value is below zero,
 /// where all values are near one, and after six motions.

@@ -460,7 +460,7 @@ std::string EquilibriumLoop::instability(const feti::TornVector& answer, const C
   const qp::Result counted = context_.report.result;
   static_cast<feti::SolveReport&>(context_.report) = before;
   context_.report.result.counters = counted.counters;
-  if (!least || least->value >= 0.0)
+  if (!least || !least->isBelowZero())
     return {};
   // Forces that jump, as where contacts end at edges, have differences that grow as steps become smaller.
   const double again = workOf(wholeStiffness(answer, least->motion, less * step), least->motion);
