@@ -39,6 +39,7 @@ class Adhesion : public scene::Effect, public scene::InterfaceLaw {
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
   const scene::InterfaceLaw* interfaceLaw() const override { return this; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   std::size_t stateSize() const override { return scene::PointStates::sizeOf<DamageState>(); }
   void beginStep(scene::PointStates& trial) const override;
   void soften(const scene::PointStates& state, const std::vector<Row>& rows,

@@ -148,7 +148,7 @@ TEST(CarriedForces, go_with_nodes) {
   const feti::SubdomainSystem system(testComm(), scene::assemble(scene, owned), feti::DirichletForm::Dual);
   scene::EffectCosts costs(scene);
   const auto contactAfter = [&](double way) {
-    return scene::setUpMovedContact(*testComm(), scene, owned,
+    return scene::setUpMovedContact(*testComm(), scene, {owned},
                                     scene::moved(owned, displacementOf(owned,
                                                                        [way](int body, const Point&) {
                                                                          return Point{body * way, 0.0, 0.0};
@@ -214,7 +214,7 @@ TEST(CarriedForces, turn_with_surfaces) {
     const auto turn = [=](int, const Point& x) {
       return Point{aboutY * x[2], -aboutX * x[2], aboutX * x[1] - aboutY * x[0]};
     };
-    return scene::setUpMovedContact(*testComm(), scene, owned,
+    return scene::setUpMovedContact(*testComm(), scene, {owned},
                                     scene::moved(owned, displacementOf(owned, turn)), costs);
   };
   // Of each point, by node.

@@ -3,7 +3,6 @@
 /// Bodies at finite displacements whose answer is known: uniform stretch in closed form, across contacts and
 /// ties of meshes that do not match; a block that is turned; small loads.
 
-#include "Harmos_Adhesion.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Friction.hpp"
 #include "Harmos_TestComm.hpp"
@@ -251,15 +250,16 @@ TEST(FinitePatch, small_loads) {
   EXPECT_LT(errors.front(), 1e-3);
 }
 
+// Of an application's own, say.
+class UnknownEffect : public scene::Effect {
+ public:
+  UnknownEffect() : Effect("Unknown", "own") {}
+};
+
 TEST(FinitePatch, what_does_not_go_with_it_is_told) {
   scene::Scene scene =
       tower(CellType::Quadrilateral4, CellType::Quadrilateral4, Joint::Contact, Material::Law::Linear, 0.1);
-  effects::CohesiveLaw::Options glue;
-  glue.normalStiffness = glue.tangentialStiffness = 20.0;
-  glue.normalStrength = glue.tangentialStrength = 1.0;
-  glue.kind = effects::CohesiveLaw::Kind::Brittle;
-  scene.effects.push_back(
-      std::make_shared<effects::Adhesion>(scene.effects.back(), effects::CohesiveLaw(glue), "glue"));
+  scene.effects.push_back(std::make_shared<UnknownEffect>());
   EXPECT_NE(failureOf(scene).find("does not work with \"Model/Kinematics\" = \"finite\""), std::string::npos);
 }
 

@@ -79,7 +79,8 @@ void FiniteStrain::findGradients(const double* values) {
         h[2][2] += u[0] * cell_.value(i, iq) / cell_.position(iq)[0];
     }
     strains_[q] = greenStrain(h);
-    dilatations_[q] = h[2][2] > -1.0 ? determinantBeyondOne(h) : -2.0; // through the axis
+    const bool isThroughAxis = hasHoop_ && !(h[2][2] > -1.0);
+    dilatations_[q] = isThroughAxis ? -2.0 : determinantBeyondOne(h);
     for (std::size_t a = 0; a < 3; ++a)
       h[a][a] += 1.0;
     gradients_[q] = h;

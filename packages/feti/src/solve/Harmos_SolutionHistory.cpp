@@ -48,6 +48,10 @@ void exchangeVector(qp::StateArchive<MultiVector>& archive, const DualProblem& p
 
 void exchange(qp::StateArchive<MultiVector>& archive, const DualProblem& problem, const std::string& name,
               WarmStart& start) {
+  bool isThere = !start.multiplier.is_null();
+  archive.number(name + " is there", isThere);
+  if (!isThere)
+    return;
   exchangeVector(archive, problem, name + ", multiplier", start.multiplier);
   if (problem.equalityRows().is_null())
     return;

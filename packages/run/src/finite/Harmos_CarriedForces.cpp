@@ -10,6 +10,7 @@
 #include <Tpetra_MultiVector.hpp>
 
 #include <algorithm>
+#include <optional>
 #include <unordered_map>
 
 namespace Harmos::run {
@@ -44,21 +45,6 @@ std::vector<CarriedForces::Row> CarriedForces::rowsOf(const feti::Constraints& c
   return rows;
 }
 
-namespace {
-
-// By the smallest turn that takes one direction to another: v + w × v + w × (w × v)/(1 + c), w = from × to,
-// c = from·to (Rodrigues).
-fem::Point turnedAs(const fem::Point& from, const fem::Point& to, const fem::Point& v) {
-  const double c = dot(from, to);
-  constexpr double opposite = -0.99;
-  if (c < opposite)
-    return v;
-  const fem::Point axis = cross(from, to), once = cross(axis, v);
-  return sum(sum(v, once), scaled(1.0 / (1.0 + c), cross(axis, once)));
-}
-
-} // namespace
-
 void CarriedForces::keep(const feti::Constraints& constraints, const scene::ContactSetup& contact,
                          const MultiVector& multiplier) {
   clear();
@@ -92,19 +78,35 @@ void CarriedForces::keep(const feti::Constraints& constraints, const scene::Cont
   }
 }
 
+namespace {
+
+// Of a row whose bodies do not move from here: 0 − c = softness · λ; nothing of one that is none, or closed.
+std::optional<double> springForce(const ConstraintRow& row) {
+  if (!row.softness || (row.kind == ConstraintRow::Kind::Inequality && !(row.bound > 0.0)))
+    return std::nullopt;
+  return -row.bound / *row.softness;
+}
+
+} // namespace
+
 Teuchos::RCP<MultiVector> CarriedForces::on(const feti::Constraints& constraints,
-                                            const scene::ContactSetup& contact) const {
+                                            const scene::ContactSetup& contact, bool springsFollow) const {
   std::vector<std::pair<long long, double>> known;
   const std::vector<Key> keys = keysOf(contact);
-  for (const Row& row : rowsOf(constraints, contact))
-    if (const auto found = ofPoints_.find(keys[row.point]); found != ofPoints_.end()) {
+  const std::vector<Row> rows = rowsOf(constraints, contact);
+  for (std::size_t k = 0; k < rows.size(); ++k) {
+    const Row& row = rows[k];
+    if (const std::optional<double> spring = springsFollow ? springForce(contact.rows[k]) : std::nullopt) {
+      known.emplace_back(row.number, *spring);
+    } else if (const auto found = ofPoints_.find(keys[row.point]); found != ofPoints_.end()) {
       const Force& force = found->second;
       known.emplace_back(
           row.number,
           row.tangent == nullptr
               ? force.along
-              : dot(turnedAs(force.normal, contact.points[row.point].normal, force.across), *row.tangent));
+              : dot(turned(force.normal, contact.points[row.point].normal, force.across), *row.tangent));
     }
+  }
   std::vector<long long> asked;
   std::vector<int> places;
   const auto size = static_cast<int>(localSize(*constraints.rowMap()));

@@ -26,9 +26,10 @@ class CarriedForces {
   /// @param contact what the constraints are of. @note Collective.
   void keep(const feti::Constraints& constraints, const scene::ContactSetup& contact,
             const MultiVector& multiplier);
-  /// What was kept, in the rows of these. @note Collective.
-  Teuchos::RCP<MultiVector> on(const feti::Constraints& constraints,
-                               const scene::ContactSetup& contact) const;
+  /// What was kept, in the rows of these. @param springsFollow those of rows that are springs are what bounds
+  /// make of them, of bodies that are where the contact is made. @note Collective.
+  Teuchos::RCP<MultiVector> on(const feti::Constraints& constraints, const scene::ContactSetup& contact,
+                               bool springsFollow = false) const;
   /// For checkpoints. @param constraints any of the run's. @note Collective.
   void exchange(qp::StateArchive<MultiVector>& archive, const std::string& name,
                 const feti::Constraints& constraints);

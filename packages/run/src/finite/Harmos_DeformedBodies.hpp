@@ -49,6 +49,9 @@ class DeformedBodies {
   std::vector<std::optional<feti::Frame>> frames(const feti::TornVector& from,
                                                  const feti::TornVector& to) const;
 
+  /// Of each node.
+  int components() const { return scene_.components(); }
+
   /// Gives copies of a node their mean. @return the largest change of a component, of all ranks.
   double joinCopies(feti::TornVector& displacement) const;
 

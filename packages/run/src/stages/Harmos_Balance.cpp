@@ -28,8 +28,10 @@ void Balance::begin(double time, const feti::TornVector& begun) {
 
 scene::ContactSetup Balance::contactAt(const feti::TornVector& displacement) const {
   scene::EffectCosts costs(context_.scene); // those of the set-up are told
-  scene::ContactSetup contact = scene::setUpMovedContact(*context_.comm, context_.scene, run_.owned(),
-                                                         scene::moved(run_.owned(), displacement), costs);
+  const std::vector<scene::ContactSetup::Pairing> bound = bonds_.pairings();
+  scene::ContactSetup contact =
+      scene::setUpMovedContact(*context_.comm, context_.scene, {run_.owned(), &bound},
+                               scene::moved(run_.owned(), displacement), costs);
   MovingBounds(context_.scene, contact).move(contact.rows, time_);
   const std::vector<double> now = bodies_.products(contact.rows, displacement),
                             begun = bodies_.products(contact.rows, *begun_);
@@ -40,6 +42,7 @@ scene::ContactSetup Balance::contactAt(const feti::TornVector& displacement) con
     else if (row.kind == ConstraintRow::Kind::Limited) // slip since the step began
       row.bound -= now[k] - begun[k];
   }
+  bonds_.hold(contact, displacement);
   return contact;
 }
 
@@ -77,7 +80,7 @@ feti::TornVector Balance::rowForces(const feti::Constraints& constraints,
 feti::TornVector Balance::at(const feti::TornVector& displacement, const CarriedForces& ofRows) const {
   const scene::ContactSetup contact = contactAt(displacement);
   const Teuchos::RCP<const feti::Constraints> constraints = run_.pipeline().constraintsOf(contact.rows);
-  feti::TornVector result = rowForces(*constraints, *ofRows.on(*constraints, contact));
+  feti::TornVector result = rowForces(*constraints, *ofRows.on(*constraints, contact, true));
   const DeformedBodies::Forces forces = forcesAt(displacement);
   const Loads loads = loadsAt(displacement);
   for (std::size_t i = 0; i < result.size(); ++i)
@@ -122,9 +125,12 @@ feti::KktAudit Balance::audit(const Answer& given) const {
   double penetration = 0.0, product = 0.0;
   for (std::size_t k = 0; k < contact.rows.size(); ++k)
     if (const ConstraintRow& row = contact.rows[k]; row.kind == ConstraintRow::Kind::Inequality) {
-      const double gap = row.bound + row.compliance * multipliers[k];
-      penetration = std::max(penetration, -gap);
+      const bool pulls = row.softness && multipliers[k] < 0.0;
+      const double gap = row.bound + (pulls ? *row.softness : row.compliance) * multipliers[k];
+      penetration = std::max(penetration, pulls ? std::abs(gap) : -gap);
       product += multipliers[k] * gap;
+    } else if (row.kind == ConstraintRow::Kind::Limited && row.softness) {
+      penetration = std::max(penetration, std::abs(row.bound + *row.softness * multipliers[k]));
     }
   result.penetration = globalMax(comm, penetration);
   result.complementarity = std::abs(globalSum(comm, product));

@@ -3,6 +3,7 @@
 
 #include "Harmos_CarriedForces.hpp"
 #include "Harmos_DeformedBodies.hpp"
+#include "Harmos_MovedBonds.hpp"
 #include "Harmos_RunStages.hpp"
 
 #include <memory>
@@ -21,7 +22,13 @@ class Balance {
 
   /// All of these have to outlive it.
   Balance(const RunContext& context, RunStages& run, const DeformedBodies& bodies)
-      : context_(context), run_(run), bodies_(bodies) {}
+      : context_(context),
+        run_(run),
+        bodies_(bodies),
+        bonds_(*context.comm, run.owned(), run.contact(), bodies) {}
+
+  /// What adhesion binds.
+  MovedBonds& bonds() { return bonds_; }
 
   /// A step to a time begins. @param begun displacements there, since when points slip; to outlive the step.
   void begin(double time, const feti::TornVector& begun);
@@ -34,7 +41,8 @@ class Balance {
   /// Loads that keep their direction, and those that go with the bodies.
   Loads loadsAt(const feti::TornVector& displacement) const;
   DeformedBodies::Forces forcesAt(const feti::TornVector& displacement) const;
-  /// Loads less internal forces and those of rows, which points keep that have them. Without frames.
+  /// Loads less internal forces and those of rows, which points keep that have them, but for springs of
+  /// adhesion. Without frames.
   feti::TornVector at(const feti::TornVector& displacement, const CarriedForces& ofRows) const;
 
   /// An equilibrium.
@@ -60,6 +68,7 @@ class Balance {
   RunContext context_;
   RunStages& run_;
   const DeformedBodies& bodies_;
+  MovedBonds bonds_;
   double time_ = 0.0;
   const feti::TornVector* begun_ = nullptr;
   Loads dead_;

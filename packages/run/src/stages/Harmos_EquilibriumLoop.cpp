@@ -87,16 +87,23 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
       run_(run),
       bodies_(*context.comm, context.scene, run.owned()),
       balance_(context, run, bodies_),
-      mixing_(*context.comm, weights_),
+      mixing_(*context.comm, norm_.weights),
       committed_{
           run.pipeline().system().zeroVector(), CarriedForces(context.scene), PointSlips(context.scene), {}},
       trial_(committed_) {
   const feti::SubdomainSystem& system = run.pipeline().system();
   for (int i = 0; i < system.size(); ++i) {
-    weights_.push_back(system.diagonal(i));
+    norm_.weights.push_back(system.diagonal(i));
     base_.tangent.matrices.push_back(system.subdomain(i).stiffness);
     base_.tangent.kernels.push_back(system.subdomain(i).motions);
   }
+  feti::TornVector places = norm_.weights;
+  const auto components = static_cast<std::size_t>(context.scene.components());
+  for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t k = 0; k < places[i].size(); ++k)
+      places[i][k] = run.owned()[i].mesh.position(static_cast<int>(k / components))[k % components];
+  norm_.ofPlaces = weighed(places);
+  norm_.largestPlace = largestOf(*context.comm, places);
   base_.displacement = committed_.displacement;
 }
 
@@ -122,6 +129,15 @@ void EquilibriumLoop::begin(double from) {
   iterations_ = 0;
   isSaveDue_ = false;
   failure_.clear();
+}
+
+void EquilibriumLoop::goOn() {
+  mixing_.restart();
+  const double tolerance = progress_.tolerance, scale = progress_.scale;
+  progress_ = {};
+  progress_.tolerance = tolerance;
+  progress_.scale = scale;
+  progress_.before = iterations_;
 }
 
 void EquilibriumLoop::commit() {
@@ -184,6 +200,7 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
     const auto scope = context_.timers.scope("dual_operator");
     iterate.contact = balance_.contactAt(trial_.displacement);
     iterate.slipsBefore = committed_.slips.of(iterate.contact);
+    balance_.bonds().addSlipsBefore(iterate.contact, iterate.slipsBefore);
   }
   posed_ = iterate.loads;
   run_.prepare(std::move(iterate));
@@ -301,7 +318,7 @@ bool EquilibriumLoop::isStuck(double merit) {
   if (progress_.logarithms.size() > 2 * window)
     progress_.logarithms.erase(progress_.logarithms.begin());
   const auto middle = progress_.logarithms.begin() + window;
-  const bool isStuck = iterations_ >= mostIterations || !std::isfinite(merit) ||
+  const bool isStuck = iterations_ - progress_.before >= mostIterations || !std::isfinite(merit) ||
                        (progress_.logarithms.size() == 2 * window &&
                         std::accumulate(middle, progress_.logarithms.end(), 0.0) >
                             std::accumulate(progress_.logarithms.begin(), middle, window * std::log(less)));
@@ -358,7 +375,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
     const double stiffness =
         (workOf(forces.internal, change.joined) - before) / (change.merit * change.merit);
     const bool isWrong = isWhole && std::abs(stiffness - 1.0) > wrong,
-               isSlow = iterations_ > 1 && change.merit > contraction * progress_.last;
+               isSlow = iterations_ > progress_.before + 1 && change.merit > contraction * progress_.last;
     progress_.isSlow = (isSlow && isWrong) || stiffness > stiffening;
     progress_.last = change.merit;
     if (isStuck(change.merit)) {
@@ -413,7 +430,7 @@ std::optional<feti::TornVector> EquilibriumLoop::motionUnder(const feti::TornVec
   double square = 0.0;
   for (std::size_t i = 0; i < force.size(); ++i)
     for (std::size_t k = 0; k < force[i].size(); ++k)
-      square += weights_[i][k] > 0.0 ? force[i][k] * force[i][k] / weights_[i][k] : 0.0;
+      square += norm_.weights[i][k] > 0.0 ? force[i][k] * force[i][k] / norm_.weights[i][k] : 0.0;
   constexpr double share = 1e-6; // what contacts that are closed stay so under, and soft motions are large by
   const double factor = share * progress_.scale / std::sqrt(globalSum(*context_.comm, square));
   if (!std::isfinite(factor))
@@ -442,7 +459,7 @@ std::string EquilibriumLoop::instability(const feti::TornVector& answer, const C
   if (!(progress_.scale > 0.0))
     return {};
   const feti::SolveReport before = context_.report;
-  feti::TornVector force = weights_; // to all sides, as hard as bodies are stiff
+  feti::TornVector force = norm_.weights; // to all sides, as hard as bodies are stiff
   for (std::size_t i = 0; i < force.size(); ++i) {
     std::minstd_rand random(static_cast<unsigned>(run_.owned()[i].number + 1));
     for (double& entry : force[i])
@@ -479,16 +496,22 @@ double EquilibriumLoop::workOf(const feti::TornVector& forces, const feti::TornV
   return globalSum(*context_.comm, work);
 }
 
+// √(vᵀdiag(K)v).
+double EquilibriumLoop::weighed(const feti::TornVector& values) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t k = 0; k < values[i].size(); ++k)
+      sum += norm_.weights[i][k] * values[i][k] * values[i][k];
+  return std::sqrt(globalSum(*context_.comm, sum));
+}
+
 // √(2W), here or where the step began: what bodies that let go of all their strains come down from. Of bodies
-// that but move the scale of rounding errors by which strains are known, over the tolerance.
+// that but move, or nothing does, the scale of rounding errors by which strains, and gaps, are known, over
+// the tolerance.
 double EquilibriumLoop::scaleOf(const feti::TornVector& answer, double energy) const {
-  double moved = 0.0;
-  for (std::size_t i = 0; i < answer.size(); ++i)
-    for (std::size_t k = 0; k < answer[i].size(); ++k)
-      moved += weights_[i][k] * answer[i][k] * answer[i][k];
-  moved = std::sqrt(globalSum(*context_.comm, moved));
   return std::max({std::sqrt(2.0 * energy), std::sqrt(2.0 * committed_.energy),
-                   roundoff * moved / context_.options.tolerance});
+                   roundoff * weighed(answer) / context_.options.tolerance,
+                   std::numeric_limits<double>::epsilon() * norm_.ofPlaces / context_.options.tolerance});
 }
 
 void EquilibriumLoop::tell(double merit) const {
@@ -532,6 +555,7 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.numbers("logarithms of merits", progress_.logarithms);
   archive.number("last merit", progress_.last);
   archive.number("tangent is to be made anew", progress_.isSlow);
+  archive.number("Newton iterations of solves before", progress_.before);
   std::size_t entries = mixing_.size();
   archive.number("iterates mixed", entries);
   int place = 0;
@@ -562,13 +586,14 @@ void EquilibriumLoop::moveOn(const feti::TornVector& answer, bool isWhole, Defor
 bool EquilibriumLoop::agrees(const feti::KktAudit& audited, const feti::TornVector& answer) const {
   const double allowed = feti::auditShare(context_.options.tolerance);
   const double moved = largestOf(*context_.comm, sum(answer, -1.0, committed_.displacement));
-  constexpr double rounding = 1e-12;
+  constexpr double rounding = 1e-12, ofPlaces = 4.0 * std::numeric_limits<double>::epsilon();
+  const double places = ofPlaces * norm_.largestPlace; // to which gaps are known
   // Forces of bodies that nothing strains any more are beside those that the step began with, and rounding
   // errors of stiffness times displacement.
   return audited.equilibrium * audited.forces <=
              allowed * std::max(audited.forces, committed_.forceSize) +
-                 rounding * audited.unitForce * audited.largestDisplacement &&
-         audited.penetration <= allowed * moved + rounding * audited.largestDisplacement;
+                 audited.unitForce * (rounding * audited.largestDisplacement + places) &&
+         audited.penetration <= allowed * moved + rounding * audited.largestDisplacement + places;
 }
 
 } // namespace Harmos::run

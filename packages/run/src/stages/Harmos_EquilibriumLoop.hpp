@@ -48,6 +48,11 @@ class EquilibriumLoop {
   /// For checkpoints. @param isWithinStep or after one that was committed.
   void exchange(qp::StateArchive<MultiVector>& archive, bool isWithinStep);
 
+  /// What adhesion binds, and its states are of.
+  MovedBonds& bonds() { return balance_.bonds(); }
+  /// The step is to be solved once more, with other springs, from where it is.
+  void goOn();
+
   const std::string& failure() const { return failure_; }
   /// Of the step so far.
   int iterations() const { return iterations_; }
@@ -78,6 +83,7 @@ class EquilibriumLoop {
     double scale = 0.0, last = 0.0;
     std::vector<double> logarithms; // of the last ones
     bool isSlow = false;            // the tangent is to be made anew
+    int before = 0;                 // iterations of the step, of solves before this one
   };
   // What a quadratic program says: du in the frames, and with equal copies, without; ‖du‖_K̂.
   struct Change {
@@ -106,6 +112,7 @@ class EquilibriumLoop {
   feti::TornVector wholeStiffness(const feti::TornVector& answer, const feti::TornVector& motion,
                                   double share) const;
   double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
+  double weighed(const feti::TornVector& values) const;
   double scaleOf(const feti::TornVector& answer, double energy) const;
   bool isStuck(double merit);
   void rebase(const State& state);
@@ -120,7 +127,11 @@ class EquilibriumLoop {
   RunStages& run_;
   DeformedBodies bodies_;
   Balance balance_;
-  feti::TornVector weights_; // of the norm by which changes are mixed
+  // By which changes are mixed and judged.
+  struct Norm {
+    feti::TornVector weights;                  // diag(K)
+    double ofPlaces = 0.0, largestPlace = 0.0; // √(Xᵀdiag(K)X), |X|
+  } norm_;
   AndersonMixing mixing_;
   State committed_, trial_;
   Base base_;

@@ -217,7 +217,7 @@ void RunStages::makePipeline() {
   {
     const auto scope = context_.timers.scope("dual_operator");
     contact_ = context_.scene.isFinite()
-                   ? scene::setUpMovedContact(*context_.comm, context_.scene, owned_, owned_, costs_)
+                   ? scene::setUpMovedContact(*context_.comm, context_.scene, {owned_}, owned_, costs_)
                    : scene::setUpContact(*context_.comm, context_.scene, owned_, costs_);
   }
   feti::PipelineObserver* const observer = this; // which others need not know

@@ -50,17 +50,19 @@ Solution StepSequence::go() {
 
 void StepSequence::begin() {
   run_.setUp();
-  // Of finite displacements the points change, and their slips are the loop's.
-  static const scene::ContactSetup none;
-  states_.emplace(*context_.comm, context_.scene, context_.scene.isFinite() ? none : run_.contact());
+  if (context_.scene.isFinite())
+    equilibrium_.emplace(context_, run_);
+  // Of finite displacements points of contact change, and their slips are the loop's.
+  states_.emplace(*context_.comm, context_.scene,
+                  equilibrium_ ? equilibrium_->bonds().points() : run_.contact());
+  if (equilibrium_)
+    equilibrium_->bonds().follow(*states_);
   bounds_.emplace(Bounds{{context_.scene, run_.contact()},
                          {*context_.comm, run_.contact(), run_.owned(), context_.scene.components()}});
   energy_.emplace(run_.loads().cases(),
                   run_.contact().limitedRows > 0 ||
                       (context_.scene.isFinite() && context_.scene.hasInterfaceLaws()),
                   context_.scene.breaks());
-  if (context_.scene.isFinite())
-    equilibrium_.emplace(context_, run_);
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   if (hasSteps())
@@ -119,8 +121,7 @@ StepSequence::Outcome StepSequence::attempt() {
     const double asked = context_.options.toleranceRule == ToleranceRule::Balanced
                              ? context_.report.tolerance
                              : context_.options.tolerance;
-    const bool again = states_->update(context_.report.contact, context_.report.slips, asked, lastSolution(),
-                                       residualAtStart());
+    const bool again = updateStates(asked);
     // On the way there more may be broken for a while, and where much breaks for good that takes its time.
     constexpr int manyUpdates = 25;
     if ((!again || attempt_.updates == manyUpdates) && states_->haste() > 1.0 && clock_.mayHalve()) {
@@ -134,6 +135,19 @@ StepSequence::Outcome StepSequence::attempt() {
       return Outcome::Failed;
     }
   }
+}
+
+// Whether the step is to be solved again.
+bool StepSequence::updateStates(double tolerance) {
+  if (!equilibrium_)
+    return states_->update(context_.report.contact, context_.report.slips, tolerance, lastSolution(),
+                           residualAtStart());
+  const MovedBonds::Answer answer =
+      equilibrium_->bonds().answer(run_.contact(), context_.report.contact, context_.report.slips);
+  const bool again = states_->update(answer.states, answer.slips, tolerance);
+  if (again)
+    equilibrium_->goOn();
+  return again;
 }
 
 void StepSequence::prepare(double time) {
@@ -173,7 +187,7 @@ double StepSequence::residualAtStart() const {
 }
 
 feti::WarmStart StepSequence::lastSolution() const {
-  return {run_.torn().multiplier, equilibrium_ ? std::vector<double>() : run_.dualSolution().mu};
+  return {run_.torn().multiplier, run_.dualSolution().mu};
 }
 
 // After an update of states what differs are some rows: the last solution is the nearest one.
@@ -250,7 +264,10 @@ StepSequence::Outcome StepSequence::accept() {
                   scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
                   context_.report.audit.frictionWork, states_->dissipated(),
                   equilibrium_ ? equilibrium_->furtherWork() : 0.0});
-  states_->tell(context_.report.slips, context_.report.contact);
+  if (equilibrium_)
+    equilibrium_->bonds().tell(run_.contact(), context_.report.slips, context_.report.contact);
+  else
+    states_->tell(context_.report.slips, context_.report.contact);
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
   StepRow row = stepRow(context_.report, *energy_);
   row.step = clock_.step();

@@ -45,6 +45,7 @@ class StepSequence {
   Outcome attempt();
   Outcome solve();
   Outcome solveFinite();
+  bool updateStates(double tolerance);
   void prepare(double time);
   Outcome accept();
   Outcome look(bool endsStep);

@@ -256,7 +256,8 @@ void AnswerSpan::exchange(qp::StateArchive<MultiVector>& archive, const feti::Du
   archive.number(name + ", reach", pair.reach);
   feti::WarmStart multipliers = {pair.multiplier, pair.mu};
   feti::exchange(archive, problem, name, multipliers);
-  pair.multiplier = Teuchos::rcp(new MultiVector(*multipliers.multiplier, Teuchos::Copy));
+  if (!multipliers.multiplier.is_null())
+    pair.multiplier = Teuchos::rcp(new MultiVector(*multipliers.multiplier, Teuchos::Copy));
   pair.mu = multipliers.mu;
 }
 

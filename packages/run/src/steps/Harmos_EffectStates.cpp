@@ -253,6 +253,14 @@ std::vector<ConstraintRow> EffectStates::rows() const {
   return result;
 }
 
+std::vector<char> EffectStates::broken() const {
+  std::vector<char> result(contact_.points.size(), 0);
+  for (const State& state : states_)
+    for (std::size_t k = 0; k < state.points.size() && state.law->breaks(); ++k)
+      result[state.points[k]] = state.law->damage(state.committed, state.rows[k].place) >= 1.0 ? 1 : 0;
+  return result;
+}
+
 double EffectStates::dissipated() const {
   double sum = 0.0;
   for (const State& state : states_)

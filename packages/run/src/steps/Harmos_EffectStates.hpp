@@ -45,6 +45,8 @@ class EffectStates {
   void commit();
   /// This rank's rows of the setup with bounds and softness by the trial state. Local.
   std::vector<ConstraintRow> rows() const;
+  /// Of each point of this rank whether it had broken when the step began. Local.
+  std::vector<char> broken() const;
 
   /// Of what breaks, by the trial state: that which was dissipated since the run began; how much broke in the
   /// step, in units of what may, see scene::InterfaceLaw::broken().

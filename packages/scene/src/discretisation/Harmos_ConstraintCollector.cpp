@@ -33,20 +33,30 @@ std::size_t bytesOf(const ConstraintRow& row) {
 } // namespace
 
 ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
-                                         const std::vector<OwnedSubdomain>& owned, EffectCosts& costs,
-                                         const std::vector<OwnedSubdomain>* atRest)
+                                         const std::vector<OwnedSubdomain>& owned, EffectCosts& costs)
     : comm_(comm),
       scene_(scene),
       costs_(costs),
       effects_(scene, costs),
-      places_{PartsOfRank(owned),
-              atRest != nullptr ? std::optional<PartsOfRank>(*atRest) : std::optional<PartsOfRank>()},
+      places_{PartsOfRank(owned)},
       contacts_(scene.physics != Physics::Membrane),
       ties_(false) {
   held_[scene.timeline.ends().front()];
   if (scene.timeline.hasSteps())
     for (double time : scene.timeline.corners())
       held_[time];
+}
+
+ConstraintCollector::ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
+                                         const std::vector<OwnedSubdomain>& moved, EffectCosts& costs,
+                                         const AtRest& atRest)
+    : ConstraintCollector(comm, scene, moved, costs) {
+  places_.atRest.emplace(atRest.owned);
+  if (atRest.bound == nullptr)
+    return;
+  places_.bound.emplace();
+  for (const ContactSetup::Pairing& pairing : *atRest.bound)
+    places_.bound->emplace(PointKey(pairing.contact, pairing.point.node, pairing.point.side), &pairing);
 }
 
 contact::Surface ConstraintCollector::surface(int body, const std::string& set,
@@ -63,11 +73,44 @@ contact::Surface ConstraintCollector::surfaceAtRest(int body, const std::string&
 
 void ConstraintCollector::addContacts(const std::vector<ContactPoint>& points,
                                       const std::vector<Part>& surfaces) {
-  contacts_.add(points, *asked_);
-  take(points, surfaces, false);
+  std::vector<ContactPoint> own = points;
+  if (places_.bound)
+    keepPairings(surfaces, own);
+  contacts_.add(own, *asked_);
+  take(own, surfaces, false);
   surfacesOf_[asked_] = surfaces;
   if (isAlong(asked_))
     askForHeldDofs(surfaces);
+}
+
+// What is bound faces what it was bound to, also where a search finds no counterpart any more.
+void ConstraintCollector::keepPairings(const std::vector<Part>& surfaces,
+                                       std::vector<ContactPoint>& points) const {
+  std::set<std::pair<long long, int>> isThere;
+  for (ContactPoint& point : points)
+    if (const ContactSetup::Pairing* pairing = pairingOf(*asked_, point)) {
+      point.terms = pairing->point.terms;
+      point.area = pairing->point.area;
+      isThere.emplace(point.node, point.side);
+    }
+  std::map<std::pair<long long, int>, const ContactPoint*> missing;
+  for (const auto& [key, pairing] : *places_.bound)
+    if (std::get<0>(key) == asked_ && isThere.count({pairing->point.node, pairing->point.side}) == 0)
+      missing.emplace(std::pair(pairing->point.node, pairing->point.side), &pairing->point);
+  if (globalMax(comm_, static_cast<long long>(missing.size())) == 0)
+    return;
+  const contact::Surface sides =
+      contact::splitAtEdges(surface(surfaces.front().first, surfaces.front().second));
+  std::map<long long, int> sidesBefore;
+  for (std::size_t k = 0; k < sides.numbers.size(); ++k)
+    if (const auto found = missing.find({sides.numbers[k], sidesBefore[sides.numbers[k]]++});
+        found != missing.end()) {
+      points.push_back(*found->second);
+      points.back().position = sides.positions[k];
+      points.back().normal = sides.normals[k];
+      points.back().pressure.clear();
+      points.back().beside.clear();
+    }
 }
 
 // Whether friction or adhesion has asked for rows along the surfaces of a contact.
@@ -238,6 +281,32 @@ std::vector<std::vector<std::size_t>> pointsOf(const std::vector<Acting>& acting
 
 } // namespace
 
+// Of a point that is bound, or null.
+const ContactSetup::Pairing* ConstraintCollector::pairingOf(const Effect& contact,
+                                                            const ContactPoint& point) const {
+  if (!places_.bound)
+    return nullptr;
+  const auto bound = places_.bound->find({&contact, point.node, point.side});
+  return bound == places_.bound->end() ? nullptr : bound->second;
+}
+
+// What is bound keeps its tangents, turned with the normal: slips along them go on.
+std::vector<fem::Point> ConstraintCollector::tangentsOf(std::size_t point) const {
+  const ContactPoint& at = contacts_.all()[point];
+  const ContactSetup::Pairing* pairing = pairingOf(contacts_.effect(point), at);
+  if (pairing == nullptr)
+    return contact::slipDirections(at, scene_.components(), held_);
+  std::vector<fem::Point> tangents;
+  for (const fem::Point& tangent : pairing->tangents)
+    tangents.push_back(turned(pairing->point.normal, at.normal, tangent));
+  return tangents;
+}
+
+bool ConstraintCollector::binds(std::size_t point, double extent) const {
+  return places_.bound ? pairingOf(contacts_.effect(point), contacts_.all()[point]) != nullptr
+                       : contact::touches(gapAtBegin(point), extent);
+}
+
 // Friction after friction, each with its points in their order.
 void ConstraintCollector::findSlips(ContactSetup& setup) {
   const std::vector<ContactPoint>& points = contacts_.all();
@@ -246,7 +315,7 @@ void ConstraintCollector::findSlips(ContactSetup& setup) {
     for (std::size_t k : own[f]) {
       contact::SlipPoint slip;
       slip.point = k;
-      slip.tangents = contact::slipDirections(points[k], scene_.components(), held_);
+      slip.tangents = tangentsOf(k);
       if (slip.tangents.empty())
         continue;
       slip.firstPlace = setup.slipRows();
@@ -294,16 +363,14 @@ void ConstraintCollector::findBonds(ContactSetup& setup, double extent) {
     const std::size_t before = setup.bonds.size();
     double area = 0.0;
     for (std::size_t k : own[a]) {
-      if (!contact::touches(gapAtBegin(k), extent))
+      if (!binds(k, extent))
         continue;
       ContactSetup::Bond bond = {adhesion.effect, k, ContactSetup::Bond::none,
                                  1.0 / (adhesion.glue.normal * points[k].area),
                                  1.0 / (adhesion.glue.tangential * points[k].area)};
       if (const auto shared = slipAt.find(k); shared != slipAt.end()) {
         bond.slip = shared->second;
-      } else if (std::vector<fem::Point> tangents =
-                     contact::slipDirections(points[k], scene_.components(), held_);
-                 !tangents.empty()) {
+      } else if (std::vector<fem::Point> tangents = tangentsOf(k); !tangents.empty()) {
         bond.slip = setup.slips.size();
         contact::SlipPoint slip;
         slip.point = k;

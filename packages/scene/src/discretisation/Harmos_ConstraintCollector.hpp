@@ -18,6 +18,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -51,6 +52,13 @@ struct ContactSetup {
     std::size_t slip;     ///< that among those with limited rows; none: held on both sides in all directions
     double softness, tangentialSoftness; ///< opening, and slip, by force
   };
+  /// Of bodies that have moved: a point that goes on facing the same places of the second body as at rest,
+  /// for adhesion binds it.
+  struct Pairing {
+    const Effect* contact;
+    contact::ContactPoint point; ///< at rest: of deformed bodies the normal is another
+    std::vector<fem::Point> tangents;
+  };
   /// The points of the inequality rows, by their numbers, which rise with the effects and, of each, with the
   /// nodes: the same on any number of ranks.
   std::vector<contact::ContactPoint> points;
@@ -80,10 +88,17 @@ struct ContactSetup {
 /// of all effects before.
 class ConstraintCollector {
  public:
-  /// All of these have to outlive it. @param atRest of bodies that have moved: as they were; or null.
+  /// All of these have to outlive it.
   ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
-                      const std::vector<OwnedSubdomain>& owned, EffectCosts& costs,
-                      const std::vector<OwnedSubdomain>* atRest = nullptr);
+                      const std::vector<OwnedSubdomain>& owned, EffectCosts& costs);
+  /// Of bodies that have moved.
+  struct AtRest {
+    const std::vector<OwnedSubdomain>& owned; ///< as they were
+    /// Points of this rank; null: those that touch.
+    const std::vector<ContactSetup::Pairing>* bound = nullptr;
+  };
+  ConstraintCollector(const Teuchos::Comm<int>& comm, const Scene& scene,
+                      const std::vector<OwnedSubdomain>& moved, EffectCosts& costs, const AtRest& atRest);
 
   // For effects.
 
@@ -225,10 +240,16 @@ class ConstraintCollector {
   const Scene& scene_;
   EffectCosts& costs_;
   SubdomainEffects effects_;
+  using PointKey = std::tuple<const Effect*, long long, int>; // contact, node, side
   struct Places {
     PartsOfRank now;
-    std::optional<PartsOfRank> atRest; // of bodies that have moved
+    std::optional<PartsOfRank> atRest = std::nullopt; // of bodies that have moved
+    std::optional<std::map<PointKey, const ContactSetup::Pairing*>> bound = std::nullopt;
   };
+  const ContactSetup::Pairing* pairingOf(const Effect& contact, const contact::ContactPoint& point) const;
+  std::vector<fem::Point> tangentsOf(std::size_t point) const;
+  bool binds(std::size_t point, double extent) const;
+  void keepPairings(const std::vector<Part>& surfaces, std::vector<contact::ContactPoint>& points) const;
   const PartsOfRank& partsOfAsked() const {
     return isOfMoved() || !places_.atRest ? places_.now : *places_.atRest;
   }

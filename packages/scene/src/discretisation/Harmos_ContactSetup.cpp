@@ -21,9 +21,9 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
 }
 
 ContactSetup setUpMovedContact(const Teuchos::Comm<int>& comm, const Scene& scene,
-                               const std::vector<OwnedSubdomain>& atRest,
+                               const ConstraintCollector::AtRest& atRest,
                                const std::vector<OwnedSubdomain>& moved, EffectCosts& costs) {
-  return collectAll(scene, {comm, scene, moved, costs, &atRest});
+  return collectAll(scene, {comm, scene, moved, costs, atRest});
 }
 
 ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
@@ -36,7 +36,7 @@ std::string faultOfMoved(const Teuchos::Comm<int>& comm, const Scene& scene,
                          const std::vector<OwnedSubdomain>& atRest,
                          const std::vector<OwnedSubdomain>& moved) {
   EffectCosts costs(scene);
-  ConstraintCollector collector(comm, scene, moved, costs, &atRest);
+  ConstraintCollector collector(comm, scene, moved, costs, {atRest});
   for (const auto& effect : scene.effects)
     if (std::string fault = collector.faultOf(*effect); !fault.empty())
       return fault;

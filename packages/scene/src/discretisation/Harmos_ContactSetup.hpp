@@ -20,9 +20,10 @@ ContactSetup setUpContact(const Teuchos::Comm<int>& comm, const Scene& scene,
 /// The same of deformed bodies: contacts of where they are now, in terms of how displacements change from
 /// here; ties and equations as of the bodies at rest. Contacts may be apart; those of two surfaces are
 /// mortar couplings.
-/// @param moved as moved() makes them.
+/// @param atRest bodies, and what adhesion binds, which stays with what it was bound to. @param moved as
+/// moved() makes them.
 ContactSetup setUpMovedContact(const Teuchos::Comm<int>& comm, const Scene& scene,
-                               const std::vector<OwnedSubdomain>& atRest,
+                               const ConstraintCollector::AtRest& atRest,
                                const std::vector<OwnedSubdomain>& moved, EffectCosts& costs);
 
 /// What effects find wrong with deformed bodies in equilibrium, see FiniteBehaviour::fault(); empty: nothing.
