@@ -106,34 +106,41 @@ std::optional<scene::Effect::Key> Pretension::loadKey(const scene::Scene&,
                                                          : std::nullopt;
 }
 
-// Outwards, on either side.
-void Pretension::pull(const Part& part, const scene::OwnedSubdomain& subdomain,
+// Outwards, on either side, evenly over the area at rest.
+void Pretension::pull(const Part& part, const scene::OwnedSubdomain& atRest, const scene::OwnedSubdomain& now,
                       std::vector<double>& load) const {
-  const auto sides = subdomain.mesh.sides.find(part.set);
-  if (subdomain.body != part.body || sides == subdomain.mesh.sides.end())
+  const auto sides = atRest.mesh.sides.find(part.set);
+  if (atRest.body != part.body || sides == atRest.mesh.sides.end())
     return;
-  const scene::PartMeasure& whole = subdomain.measures.at(part.set);
-  const fem::Point traction = scaled(*options_.force / whole.area / norm(whole.normal), whole.normal);
-  const fem::PlacedMesh& placed = subdomain.mesh;
+  const double area = atRest.measures.at(part.set).area;
+  const fem::Point& normal = now.measures.at(part.set).normal;
+  const fem::Point traction = scaled(*options_.force / area / norm(normal), normal);
+  const fem::PlacedMesh& placed = atRest.mesh;
   addTo(load, fem::assembleTraction(*placed.mesh, placed.anchor, sides->second,
                                     [&](const fem::Point&, const fem::Point&) { return traction; }));
 }
 
-void Pretension::addLoad(const scene::Scene&, const scene::OwnedSubdomain& subdomain,
+void Pretension::addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                          std::vector<double>& load) const {
-  pull(first_, subdomain, load);
-  pull(second_, subdomain, load);
+  if (scene.isFinite())
+    return;
+  pull(first_, subdomain, subdomain, load);
+  pull(second_, subdomain, subdomain, load);
 }
 
-void Pretension::addForce(const scene::Scene&, const scene::OwnedSubdomain& subdomain,
-                          std::vector<double>& load) const {
-  pull(first_, subdomain, load);
+void Pretension::addFollowingLoad(const scene::Scene&, const Deformed& subdomain,
+                                  std::vector<double>& load) const {
+  pull(first_, subdomain.rest, subdomain.now, load);
+  pull(second_, subdomain.rest, subdomain.now, load);
 }
 
-// Outward on the first side.
-fem::Point Pretension::normalOf(const scene::ConstraintCollector& collector) const {
-  const scene::PartMeasure first = collector.measureOf(first_.body, first_.set),
-                           second = collector.measureOf(second_.body, second_.set);
+void Pretension::addForce(const scene::Scene&, const Deformed& subdomain, std::vector<double>& load) const {
+  pull(first_, subdomain.rest, subdomain.now, load);
+}
+
+void Pretension::requirePlane(const scene::ConstraintCollector& collector) const {
+  const scene::PartMeasure first = collector.measureAtRest(first_.body, first_.set),
+                           second = collector.measureAtRest(second_.body, second_.set);
   constexpr double flat = 1e-6; // cosine of a tenth of a degree
   const double length = norm(first.normal);
   if (!(length >= (1.0 - flat) * first.area) ||
@@ -141,25 +148,41 @@ fem::Point Pretension::normalOf(const scene::ConstraintCollector& collector) con
     throw InputError(label() +
                      ": the cut is not plane, or its sides do not face each other; cut the bolt along "
                      "a plane between two volumes");
-  // An axis is one to the last bit: rows of what is held on a plane of symmetry are told by their dofs.
+}
+
+namespace {
+
+using Node = scene::ConstraintCollector::Node;
+
+// Outward on a side. An axis is one to the last bit: rows of what is held on a plane of symmetry are told by
+// their dofs.
+fem::Point directionOf(const scene::PartMeasure& measure) {
   constexpr double rounding = 1e-12;
-  fem::Point n = scaled(1.0 / length, first.normal);
+  fem::Point n = scaled(1.0 / norm(measure.normal), measure.normal);
   for (double& component : n)
     component = std::abs(component) <= rounding ? 0.0 : component;
   return scaled(1.0 / norm(n), n);
 }
 
-// Nodes of both sides at the same places.
-std::vector<std::pair<Pretension::Node, Pretension::Node>>
-Pretension::pairsOf(scene::ConstraintCollector& collector) const {
-  const std::vector<Node> first = collector.allNodesOf(first_.body, first_.set),
-                          second = collector.allNodesOf(second_.body, second_.set);
+// Nodes of both sides that are at the same place at rest, and where the first one is now.
+struct NodePair {
+  Node first, second;
+  fem::Point now;
+};
+
+std::vector<NodePair> pairsOf(scene::ConstraintCollector& collector, const Part& onFirst,
+                              const Part& onSecond, const std::string& label) {
+  const std::vector<Node> first = collector.allNodesAtRest(onFirst.body, onFirst.set),
+                          second = collector.allNodesAtRest(onSecond.body, onSecond.set),
+                          now = collector.allNodesOf(onFirst.body, onFirst.set);
+  collector.allNodesOf(onSecond.body, onSecond.set); // which asks for what is held there
   double extent = 0.0;
   for (const Node& node : first)
     extent = std::max(extent, norm(difference(node.position, first.front().position)));
   constexpr double tolerance = 1e-6;
-  std::vector<std::pair<Node, Node>> pairs;
-  for (const Node& node : first) {
+  std::vector<NodePair> pairs;
+  for (std::size_t k = 0; k < first.size(); ++k) {
+    const Node& node = first[k];
     const Node* nearest = nullptr;
     double least = std::numeric_limits<double>::infinity();
     for (const Node& other : second)
@@ -168,20 +191,17 @@ Pretension::pairsOf(scene::ConstraintCollector& collector) const {
         nearest = &other;
       }
     if (!(least <= tolerance * extent))
-      throw InputError(label() + ": the node at " + placeText(node.position) +
+      throw InputError(label + ": the node at " + placeText(node.position) +
                        " of the first side has no counterpart on the second one; both sides need the same "
                        "nodes, as of one surface between two volumes");
-    pairs.emplace_back(node, *nearest);
+    pairs.push_back({node, *nearest, now[k].position});
   }
   if (first.size() != second.size())
-    throw InputError(label() + ": its sides have " + std::to_string(first.size()) + " and " +
+    throw InputError(label + ": its sides have " + std::to_string(first.size()) + " and " +
                      std::to_string(second.size()) + " nodes; both need the same ones");
   return pairs;
 }
 
-namespace {
-
-using NodePair = std::pair<scene::ConstraintCollector::Node, scene::ConstraintCollector::Node>;
 using Equation = scene::ConstraintCollector::Equation;
 
 // Jumps of pairs of nodes, u¹ − u², along a direction.
@@ -226,7 +246,7 @@ class JumpRows {
     fem::Point sum{};
     for (std::size_t k = begin; k < end; ++k)
       for (std::size_t d = 0; d < 3; ++d)
-        sum[d] += pairs_[k].first.position[d] / static_cast<double>(end - begin);
+        sum[d] += pairs_[k].now[d] / static_cast<double>(end - begin);
     return sum;
   }
 
@@ -267,10 +287,12 @@ class JumpRows {
 } // namespace
 
 void Pretension::addConstraints(scene::ConstraintCollector& collector) const {
-  const fem::Point n = normalOf(collector);
-  const std::vector<NodePair> pairs = pairsOf(collector);
-  for (const fem::Point& t : tangentsOf(n, collector.components()))
-    JumpRows(collector, pairs, t).addEach(0.0);
+  requirePlane(collector);
+  const fem::Point atRest = directionOf(collector.measureAtRest(first_.body, first_.set)),
+                   n = directionOf(collector.measureOf(first_.body, first_.set));
+  const std::vector<NodePair> pairs = pairsOf(collector, first_, second_, label());
+  for (const fem::Point& t : tangentsOf(atRest, collector.components()))
+    JumpRows(collector, pairs, turned(atRest, n, t)).addEach(0.0);
   JumpRows along(collector, pairs, n);
   if (options_.shift)
     return along.addEach(*options_.shift);

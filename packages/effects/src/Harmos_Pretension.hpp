@@ -16,8 +16,12 @@ namespace Harmos::effects {
 /// has then; or s is given. The sides have the same nodes. F loads them evenly, F/A n; −λ n is added where s
 /// does not give way. A history scales F or s.
 ///
-/// Guarded by tests/verification/physics/test_pretension.py.
-class Pretension : public scene::Effect {
+/// Of finite displacements n is that of the deformed cut, in the mean: the bolt may turn and bend, its force
+/// goes with it. What n adds to the derivative of u¹ − u² = s n is left out: forces across the bolt act s
+/// apart, and make a couple of that arm.
+///
+/// Guarded by tests/verification/physics/test_pretension.py and tests/verification/finite.
+class Pretension : public scene::Effect, public scene::FiniteBehaviour {
  public:
   static constexpr const char* kindName = "Pretension";
 
@@ -39,17 +43,20 @@ class Pretension : public scene::Effect {
                              const scene::OwnedSubdomain& subdomain) const override;
   void addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                std::vector<double>& load) const override;
+  const scene::FiniteBehaviour* finite() const override { return this; }
+  bool hasFollowingLoads() const override { return options_.force.has_value(); }
+  void addFollowingLoad(const scene::Scene& scene, const Deformed& subdomain,
+                        std::vector<double>& load) const override;
   bool loadsWithItsForce() const override { return options_.force.has_value(); }
-  void addForce(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
+  void addForce(const scene::Scene& scene, const Deformed& subdomain,
                 std::vector<double>& load) const override;
   /// @throws InputError on all ranks where the cut is not plane, or its sides have not the same nodes.
   void addConstraints(scene::ConstraintCollector& collector) const override;
 
  private:
-  using Node = scene::ConstraintCollector::Node;
-  void pull(const Part& part, const scene::OwnedSubdomain& subdomain, std::vector<double>& load) const;
-  fem::Point normalOf(const scene::ConstraintCollector& collector) const;
-  std::vector<std::pair<Node, Node>> pairsOf(scene::ConstraintCollector& collector) const;
+  void pull(const Part& part, const scene::OwnedSubdomain& atRest, const scene::OwnedSubdomain& now,
+            std::vector<double>& load) const;
+  void requirePlane(const scene::ConstraintCollector& collector) const;
 
   Part first_, second_;
   Options options_;

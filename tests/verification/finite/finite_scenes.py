@@ -2,6 +2,7 @@
 """Decks of finite displacements, and what their runs wrote."""
 
 import csv
+import math
 from pathlib import Path
 
 import h5py
@@ -39,6 +40,47 @@ def block(origin, size, parts, elements, element, material):
         "Source": "block", "Origin": [*origin, 0.0], "Size": [*size, 1.0], "Subdomains a side": [*parts, 1],
         "Elements a side": [*elements, 1], "Element": element, "Materials": [material],
     }
+
+
+def geometry(text):
+    """A file of Gmsh's geometry."""
+    path = runs.scratch("mesh").with_suffix(".geo")
+    path.write_text(text, encoding="utf-8")
+    return str(path)
+
+
+def rotation(vector):
+    """About it, by its length."""
+    angle = np.linalg.norm(vector)
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = np.array(vector) / angle
+    spin = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * spin + (1.0 - math.cos(angle)) * spin @ spin
+
+
+def corner_parts(places):
+    """Boundary parts of one node, in a file of Gmsh's geometry: "body/part" and place of each."""
+    return "".join(
+        f'{part}() = Point In BoundingBox{{{x - 0.1}, {y - 0.1}, {z - 0.1}, {x + 0.1}, {y + 0.1}, {z + 0.1}}}; '
+        f'Physical Point("{part}") = {{{part}()}};\n'
+        for part, (x, y, z) in ((name.split("/")[1], place) for name, place in places.items())
+    )
+
+
+def carried(places, steps, where):
+    """Histories and prescribed displacements of such parts: where(name, place, k) they are after k steps of length 1."""
+    times = [float(k) for k in range(steps + 1)]
+    histories, held = {}, {}
+    for name, place in places.items():
+        part = name.split("/")[1]
+        ways = [where(name, place, k) - place for k in range(steps + 1)]
+        for c, axis in enumerate("xyz"):
+            histories[part + axis] = {"Times": times, "Values": [way[c] for way in ways]}
+            held[part + axis] = {
+                "Part": name, "Components": [axis], "Displacement": list(np.eye(3)[c]), "History": part + axis,
+            }
+    return histories, held
 
 
 def field(directory, name):

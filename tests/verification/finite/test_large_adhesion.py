@@ -18,7 +18,7 @@ import harmos_runs as runs  # noqa: E402
 
 try:
     import numpy as np
-    from finite_scenes import block, deck, field, steps_of
+    from finite_scenes import block, carried, corner_parts, deck, field, geometry, rotation, steps_of
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
@@ -34,12 +34,6 @@ STRIP = """
     Physical Curve("bottom") = {1}; Physical Curve("right") = {2}; Physical Point("tip") = {1};
     Physical Surface("strip") = {1};
 """
-
-
-def geometry(text):
-    path = runs.scratch("mesh").with_suffix(".geo")
-    path.write_text(text, encoding="utf-8")
-    return str(path)
 
 
 def peeled(steps, way):
@@ -124,20 +118,7 @@ CUBES = """
     Transfinite Surface{:}; Recombine Surface{:}; Transfinite Volume{:};
     Physical Surface("top") = {6}; Physical Surface("bottom") = {11};
     Physical Volume("lower") = {1}; Physical Volume("upper") = {2};
-""" + "\n".join(
-    f'{part}() = Point In BoundingBox{{{x - 0.1}, {y - 0.1}, {z - 0.1}, {x + 0.1}, {y + 0.1}, {z + 0.1}}}; '
-    f'Physical Point("{part}") = {{{part}()}};'
-    for part, (x, y, z) in ((name.split("/")[1], place) for name, place in CORNERS.items())
-) + "\n"
-
-
-def rotation(vector):
-    angle = np.linalg.norm(vector)
-    if angle == 0.0:
-        return np.eye(3)
-    x, y, z = np.array(vector) / angle
-    spin = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
-    return np.eye(3) + math.sin(angle) * spin + (1.0 - math.cos(angle)) * spin @ spin
+""" + corner_parts(CORNERS)
 
 
 class Turned(unittest.TestCase):
@@ -147,20 +128,12 @@ class Turned(unittest.TestCase):
 
     def tear(self, vector, law, pull):
         count = self.TURNS + self.PULLS
-        times = [float(k) for k in range(count + 1)]
-        histories, held = {}, {}
-        for name, place in CORNERS.items():
-            part = name.split("/")[1]
-            values = []
-            for k in range(count + 1):
-                torn = np.array(pull) * max(0, k - self.TURNS) / self.PULLS * (place[2] > 1.0)
-                turned = rotation(np.array(vector) * min(k, self.TURNS) / self.TURNS)
-                values.append(turned @ (place + torn) - place)
-            for c, axis in enumerate("xyz"):
-                histories[part + axis] = {"Times": times, "Values": [value[c] for value in values]}
-                held[part + axis] = {
-                    "Part": name, "Components": [axis], "Displacement": list(np.eye(3)[c]), "History": part + axis,
-                }
+
+        def where(name, place, k):
+            torn = np.array(pull) * max(0, k - self.TURNS) / self.PULLS * name.startswith("upper")
+            return rotation(np.array(vector) * min(k, self.TURNS) / self.TURNS) @ (place + torn)
+
+        histories, held = carried(CORNERS, count, where)
         energies = {} if law == "brittle" else {"Fracture energy": 4e-4, "Fracture energy II": 8e-4}
         return steps_of(runs.solved(self, deck({
             "Model": {"Physics": "solid", "Kinematics": "finite", "Mesh file": geometry(CUBES)},

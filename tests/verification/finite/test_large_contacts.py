@@ -15,17 +15,11 @@ import harmos_runs as runs  # noqa: E402
 
 try:
     import numpy as np
-    from finite_scenes import block, deck, field, steps_of
+    from finite_scenes import block, deck, field, geometry, steps_of
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
 SOFT = {"Type": "neo-Hookean", "Young's modulus": 1.0, "Poisson's ratio": 0.3}
-
-
-def geometry(text):
-    path = runs.scratch("mesh").with_suffix(".geo")
-    path.write_text(text, encoding="utf-8")
-    return str(path)
 
 
 class Hertz(unittest.TestCase):

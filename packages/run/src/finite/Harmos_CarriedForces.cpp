@@ -21,27 +21,32 @@ void CarriedForces::clear() {
   rest_.clear();
 }
 
-// Of this rank's points.
-std::vector<CarriedForces::Key> CarriedForces::keysOf(const scene::ContactSetup& contact) const {
+// Of this rank.
+std::vector<CarriedForces::Row> CarriedForces::rowsOf(const feti::Constraints& constraints,
+                                                      const scene::ContactSetup& contact) const {
   std::unordered_map<const scene::Effect*, std::size_t> places;
   for (std::size_t k = 0; k < scene_->effects.size(); ++k)
     places[scene_->effects[k].get()] = k;
-  std::vector<Key> keys;
-  for (std::size_t k = 0; k < contact.points.size(); ++k)
-    keys.emplace_back(places.at(contact.effects[k]), contact.points[k].node, contact.points[k].side);
-  return keys;
-}
-
-// Of this rank's points.
-std::vector<CarriedForces::Row> CarriedForces::rowsOf(const feti::Constraints& constraints,
-                                                      const scene::ContactSetup& contact) const {
+  const auto keyOf = [&](std::size_t point) {
+    return Key(places.at(contact.effects[point]), contact.points[point].node, contact.points[point].side);
+  };
   std::vector<Row> rows;
   for (std::size_t k = 0; k < contact.points.size(); ++k)
-    rows.push_back({contact.points[k].number, k, nullptr});
+    rows.push_back(
+        {contact.points[k].number, keyOf(k), &contact.rows[k], &contact.points[k].normal, nullptr});
   for (const contact::SlipPoint& slip : contact.slips)
     for (std::size_t t = 0; t < slip.tangents.size(); ++t)
-      rows.push_back({constraints.inequalities() + slip.firstRow + static_cast<long long>(t), slip.point,
-                      &slip.tangents[t]});
+      rows.push_back({constraints.inequalities() + slip.firstRow + static_cast<long long>(t),
+                      keyOf(slip.point), &contact.rows[contact.points.size() + slip.firstPlace + t],
+                      &contact.points[slip.point].normal, &slip.tangents[t]});
+  constexpr int isLock = -1; // no side
+  for (std::size_t k = 0; k < contact.locks.size(); ++k)
+    if (constraints.rowMap()->getComm()->getRank() == 0) {
+      const ConstraintRow& row = contact.rows[contact.locks[k].place];
+      rows.push_back({constraints.inequalities() + row.number,
+                      Key(places.at(contact.locks[k].effect), static_cast<long long>(k), isLock), &row,
+                      nullptr, nullptr});
+    }
   return rows;
 }
 
@@ -64,13 +69,13 @@ void CarriedForces::keep(const feti::Constraints& constraints, const scene::Cont
   for (const Row& row : rows)
     asked.push_back(row.number);
   const auto forces = lookUp(*constraints.rowMap()->getComm(), known, asked);
-  const std::vector<Key> keys = keysOf(contact);
   for (std::size_t k = 0; k < rows.size(); ++k) {
     const double force = forces[k].value_or(0.0);
     if (force == 0.0)
       continue;
-    Force& kept = ofPoints_[keys[rows[k].point]];
-    kept.normal = contact.points[rows[k].point].normal;
+    Force& kept = ofPoints_[rows[k].key];
+    if (rows[k].normal != nullptr)
+      kept.normal = *rows[k].normal;
     if (rows[k].tangent == nullptr)
       kept.along = force;
     else
@@ -92,20 +97,15 @@ std::optional<double> springForce(const ConstraintRow& row) {
 Teuchos::RCP<MultiVector> CarriedForces::on(const feti::Constraints& constraints,
                                             const scene::ContactSetup& contact, bool springsFollow) const {
   std::vector<std::pair<long long, double>> known;
-  const std::vector<Key> keys = keysOf(contact);
-  const std::vector<Row> rows = rowsOf(constraints, contact);
-  for (std::size_t k = 0; k < rows.size(); ++k) {
-    const Row& row = rows[k];
-    if (const std::optional<double> spring = springsFollow ? springForce(contact.rows[k]) : std::nullopt) {
+  for (const Row& row : rowsOf(constraints, contact)) {
+    const bool isPoint = row.normal != nullptr;
+    if (const std::optional<double> spring = springsFollow && isPoint ? springForce(*row.row) : std::nullopt)
       known.emplace_back(row.number, *spring);
-    } else if (const auto found = ofPoints_.find(keys[row.point]); found != ofPoints_.end()) {
-      const Force& force = found->second;
-      known.emplace_back(
-          row.number,
-          row.tangent == nullptr
-              ? force.along
-              : dot(turned(force.normal, contact.points[row.point].normal, force.across), *row.tangent));
-    }
+    else if (const auto found = ofPoints_.find(row.key); found != ofPoints_.end())
+      known.emplace_back(row.number, row.tangent == nullptr ? found->second.along
+                                                            : dot(turned(found->second.normal, *row.normal,
+                                                                         found->second.across),
+                                                                  *row.tangent));
   }
   std::vector<long long> asked;
   std::vector<int> places;

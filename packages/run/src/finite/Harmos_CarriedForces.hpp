@@ -13,7 +13,7 @@ namespace Harmos::run {
 
 /// Forces of rows of B for other rows: contacts that are made anew where bodies have moved. A contact keeps
 /// the force of the one that its effect had at the same node, turned as its normal has turned; one that is
-/// new has none. Ties, equations and gluing rows stay what they are.
+/// new has none. Ties, equations and gluing rows stay what they are, equations that are locked at a time too.
 ///
 /// Guarded by tests/unit/run/test_finite_displacements.cpp.
 class CarriedForces {
@@ -41,14 +41,14 @@ class CarriedForces {
     fem::Point across{}; // of friction: tangents are others where surfaces turn
     fem::Point normal{};
   };
-  // Of a point of contact, or of one of the tangents at it.
+  // Of a point of contact, of one of the tangents at it, or of an equation that is locked at a time.
   struct Row {
     long long number; // in B
-    std::size_t point;
-    const fem::Point* tangent; // or null
+    Key key;
+    const ConstraintRow* row;
+    const fem::Point *normal, *tangent; // or null
   };
   std::vector<Row> rowsOf(const feti::Constraints& constraints, const scene::ContactSetup& contact) const;
-  std::vector<Key> keysOf(const scene::ContactSetup& contact) const;
 
   const scene::Scene* scene_;
   bool isKept_ = false;

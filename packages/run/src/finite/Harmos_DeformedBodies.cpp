@@ -2,6 +2,7 @@
 #include "Harmos_DeformedBodies.hpp"
 
 #include "Harmos_Agreement.hpp"
+#include "Harmos_Decomposition.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_FiniteElasticity.hpp"
 #include "Harmos_Kernel.hpp"
@@ -97,8 +98,9 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
       effects.push_back(effect.get());
   if (effects.empty())
     return result;
+  std::vector<scene::OwnedSubdomain> moved = scene::moved(atRest_, displacement);
+  scene::measureParts(comm_, scene_, moved);
   agree(comm_, [&] {
-    const std::vector<scene::OwnedSubdomain> moved = scene::moved(atRest_, displacement);
     for (const scene::OwnedSubdomain& item : moved) {
       std::vector<double>& sum = result.emplace_back(displacement[result.size()].size(), 0.0);
       for (const scene::Effect* effect : effects) {

@@ -4,6 +4,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_MovedSubdomains.hpp"
 
 #include <algorithm>
 #include <array>
@@ -131,31 +132,6 @@ void addLoads(const scene::Scene& scene, const std::vector<std::shared_ptr<const
   }
 }
 
-// Of loads that are forces of effects, see scene::Effect::addForce().
-void addGivenForces(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned, double time,
-                    Sums& sums) {
-  const auto components = static_cast<std::size_t>(scene.components());
-  for (const auto& effect : scene.effects) {
-    const std::vector<int> bodies = effect->bodies();
-    if (!effect->loadsWithItsForce())
-      continue;
-    const double factor = scene.timeline.factor(*effect, time);
-    for (const scene::OwnedSubdomain& item : owned) {
-      if (std::find(bodies.begin(), bodies.end(), item.body) == bodies.end())
-        continue;
-      std::vector<double> load(static_cast<std::size_t>(item.mesh.mesh->numberOfNodes()) * components, 0.0);
-      effect->addForce(scene, item, load);
-      for (std::size_t k = 0; k < load.size(); k += components) {
-        Point force = vectorOf(load.data() + k, static_cast<int>(components));
-        for (double& component : force)
-          component *= factor;
-        if (length(force) > 0.0)
-          sums.add(*effect, item.mesh.position(static_cast<int>(k / components)), force);
-      }
-    }
-  }
-}
-
 // Where a node is: of small displacements, where it was.
 Point placeOf(const scene::Scene& scene, const scene::OwnedSubdomain& item, const std::vector<double>& u,
               int node) {
@@ -164,6 +140,41 @@ Point placeOf(const scene::Scene& scene, const scene::OwnedSubdomain& item, cons
   for (std::size_t d = 0; d < components && scene.isFinite(); ++d)
     x[d] += u[static_cast<std::size_t>(node) * components + d];
   return x;
+}
+
+// Of loads that are forces of effects, see scene::Effect::addForce().
+void addGivenForces(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                    const std::vector<scene::OwnedSubdomain>& owned, const feti::TornVector& displacement,
+                    double time, Sums& sums) {
+  if (std::none_of(scene.effects.begin(), scene.effects.end(),
+                   [](const auto& effect) { return effect->loadsWithItsForce(); }))
+    return;
+  std::vector<scene::OwnedSubdomain> moved;
+  if (scene.isFinite()) {
+    moved = scene::moved(owned, displacement);
+    scene::measureParts(comm, scene, moved);
+  }
+  const auto components = static_cast<std::size_t>(scene.components());
+  for (const auto& effect : scene.effects) {
+    const std::vector<int> bodies = effect->bodies();
+    if (!effect->loadsWithItsForce())
+      continue;
+    const double factor = scene.timeline.factor(*effect, time);
+    for (std::size_t i = 0; i < owned.size(); ++i) {
+      const scene::OwnedSubdomain& item = owned[i];
+      if (std::find(bodies.begin(), bodies.end(), item.body) == bodies.end())
+        continue;
+      std::vector<double> load(static_cast<std::size_t>(item.mesh.mesh->numberOfNodes()) * components, 0.0);
+      effect->addForce(scene, {item, scene.isFinite() ? moved[i] : item}, load);
+      for (std::size_t k = 0; k < load.size(); k += components) {
+        Point force = vectorOf(load.data() + k, static_cast<int>(components));
+        for (double& component : force)
+          component *= factor;
+        if (length(force) > 0.0)
+          sums.add(*effect, placeOf(scene, item, displacement[i], static_cast<int>(k / components)), force);
+      }
+    }
+  }
 }
 
 // What holds prescribed dofs. Effects are asked in the order in which the system was made.
@@ -259,7 +270,7 @@ Forces forcesOf(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
   for (int i = 0; i < system.size() && loads == nullptr; ++i)
     own.push_back(system.subdomain(i).load);
   Sums sums(scene, contact);
-  addGivenForces(scene, owned, time.value_or(scene.timeline.ends().front()), sums);
+  addGivenForces(comm, scene, owned, displacement, time.value_or(scene.timeline.ends().front()), sums);
   addLoads(scene, loads != nullptr ? *loads : own, sums);
   addReactions(scene, owned, system, displacement, reactions, sums);
   addSprings(scene, owned, displacement, sums);

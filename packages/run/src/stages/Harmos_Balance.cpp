@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Balance.hpp"
 
+#include "Harmos_Decomposition.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_MovedSubdomains.hpp"
@@ -26,12 +27,17 @@ void Balance::begin(double time, const feti::TornVector& begun) {
   dead_ = run_.loads().loads(time);
 }
 
+std::vector<scene::OwnedSubdomain> Balance::movedBy(const feti::TornVector& displacement) const {
+  std::vector<scene::OwnedSubdomain> result = scene::moved(run_.owned(), displacement);
+  scene::measureParts(*context_.comm, context_.scene, result);
+  return result;
+}
+
 scene::ContactSetup Balance::contactAt(const feti::TornVector& displacement) const {
   scene::EffectCosts costs(context_.scene); // those of the set-up are told
   const std::vector<scene::ContactSetup::Pairing> bound = bonds_.pairings();
-  scene::ContactSetup contact =
-      scene::setUpMovedContact(*context_.comm, context_.scene, {run_.owned(), &bound},
-                               scene::moved(run_.owned(), displacement), costs);
+  scene::ContactSetup contact = scene::setUpMovedContact(
+      *context_.comm, context_.scene, {run_.owned(), &bound}, movedBy(displacement), costs);
   MovingBounds(context_.scene, contact).move(contact.rows, time_);
   const std::vector<double> now = bodies_.products(contact.rows, displacement),
                             begun = bodies_.products(contact.rows, *begun_);
@@ -43,6 +49,11 @@ scene::ContactSetup Balance::contactAt(const feti::TornVector& displacement) con
       row.bound -= now[k] - begun[k];
   }
   bonds_.hold(contact, displacement);
+  if (locks_ != nullptr)
+    locks_->apply(contact, contact.rows, time_);
+  for (const scene::ContactSetup::Lock& lock : contact.locks)
+    if (context_.comm->getRank() == 0)
+      contact.rows[lock.place].bound -= now[lock.place];
   return contact;
 }
 
@@ -157,8 +168,7 @@ std::vector<std::vector<double>> Balance::reactions(const Answer& given) const {
 
 std::string Balance::faultOf(const feti::TornVector& displacement) const {
   try {
-    return scene::faultOfMoved(*context_.comm, context_.scene, run_.owned(),
-                               scene::moved(run_.owned(), displacement));
+    return scene::faultOfMoved(*context_.comm, context_.scene, run_.owned(), movedBy(displacement));
   } catch (const InputError& error) {
     if (!error.isAgreed())
       throw;

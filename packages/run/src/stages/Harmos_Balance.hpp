@@ -3,6 +3,7 @@
 
 #include "Harmos_CarriedForces.hpp"
 #include "Harmos_DeformedBodies.hpp"
+#include "Harmos_Locks.hpp"
 #include "Harmos_MovedBonds.hpp"
 #include "Harmos_RunStages.hpp"
 
@@ -27,6 +28,8 @@ class Balance {
         bodies_(bodies),
         bonds_(*context.comm, run.owned(), run.contact(), bodies) {}
 
+  /// @param locks which of the equations hold that are locked at a time; to outlive it.
+  void follow(const Locks& locks) { locks_ = &locks; }
   /// What adhesion binds.
   MovedBonds& bonds() { return bonds_; }
 
@@ -63,12 +66,14 @@ class Balance {
   std::string faultOf(const feti::TornVector& displacement) const;
 
  private:
+  std::vector<scene::OwnedSubdomain> movedBy(const feti::TornVector& displacement) const;
   feti::TornVector rowForces(const feti::Constraints& constraints, const MultiVector& multiplier) const;
 
   RunContext context_;
   RunStages& run_;
   const DeformedBodies& bodies_;
   MovedBonds bonds_;
+  const Locks* locks_ = nullptr;
   double time_ = 0.0;
   const feti::TornVector* begun_ = nullptr;
   Loads dead_;

@@ -50,6 +50,8 @@ class EquilibriumLoop {
 
   /// What adhesion binds, and its states are of.
   MovedBonds& bonds() { return balance_.bonds(); }
+  /// Equations that are locked at a time; to outlive it.
+  void follow(const Locks& locks) { balance_.follow(locks); }
   /// The step is to be solved once more, with other springs, from where it is.
   void goOn();
 

@@ -59,6 +59,8 @@ void StepSequence::begin() {
     equilibrium_->bonds().follow(*states_);
   bounds_.emplace(Bounds{{context_.scene, run_.contact()},
                          {*context_.comm, run_.contact(), run_.owned(), context_.scene.components()}});
+  if (equilibrium_)
+    equilibrium_->follow(bounds_->locks);
   energy_.emplace(run_.loads().cases(),
                   run_.contact().limitedRows > 0 ||
                       (context_.scene.isFinite() && context_.scene.hasInterfaceLaws()),
@@ -156,7 +158,7 @@ void StepSequence::prepare(double time) {
   std::vector<ConstraintRow> rows = changesBounds ? states_->rows() : std::vector<ConstraintRow>();
   bounds_->moving.move(rows, time);
   if (changesBounds)
-    bounds_->locks.apply(rows, time);
+    bounds_->locks.apply(run_.contact(), rows, time);
   run_.prepare({time, run_.loads().loads(time), prescribesMotion_ ? &prescribed : nullptr,
                 changesBounds ? &rows : nullptr});
 }

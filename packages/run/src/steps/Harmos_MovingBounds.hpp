@@ -9,11 +9,11 @@
 namespace Harmos::run {
 
 /// Bounds of rows that go with the histories of their effects, c(t) = c₁ + (h(t) − 1)m, with c₁ that of h = 1
-/// and m the part that moves: of equations their value, of contacts the interference, as a gap that gets
-/// smaller. Guarded by tests/verification/physics/test_interference.py and test_bolts_and_sectors.py.
+/// and m the part that moves, see scene::ContactSetup::moving. Guarded by
+/// tests/verification/physics/test_interference.py and test_bolts_and_sectors.py.
 class MovingBounds {
  public:
-  /// Both have to outlive it.
+  /// Both have to outlive it; the contact may become another one.
   MovingBounds(const scene::Scene& scene, const scene::ContactSetup& contact);
 
   /// Whether there are any; the same on all ranks.
@@ -32,7 +32,6 @@ class MovingBounds {
   const scene::Scene& scene_;
   const scene::ContactSetup& contact_;
   bool any_;
-  std::vector<double> moving_; // of each row
 };
 
 } // namespace Harmos::run

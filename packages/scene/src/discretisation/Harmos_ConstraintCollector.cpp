@@ -66,8 +66,7 @@ contact::Surface ConstraintCollector::surface(int body, const std::string& set,
 }
 
 contact::Surface ConstraintCollector::surfaceAtRest(int body, const std::string& set) const {
-  const PartsOfRank& parts = places_.atRest ? *places_.atRest : places_.now;
-  return contact::gatherSurface(comm_, parts.withSides({body, set}), set,
+  return contact::gatherSurface(comm_, partsAtRest().withSides({body, set}), set,
                                 scene_.bodies[static_cast<std::size_t>(body)].name + "/" + set, nullptr);
 }
 
@@ -509,23 +508,28 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::nodesOf(const std::v
   return nodes;
 }
 
-PartMeasure ConstraintCollector::measureOf(int body, const std::string& set) const {
+namespace {
+
+PartMeasure measureIn(const Teuchos::Comm<int>& comm, const PartsOfRank& parts,
+                      const PartsOfRank::Part& part) {
   std::vector<PartMeasure> mine;
-  for (const OwnedSubdomain* item : partsOfAsked().withNodes({body, set}))
+  for (const OwnedSubdomain* item : parts.withNodes(part))
     if (mine.empty())
-      mine.push_back(item->measures.at(set));
-  mine = gatherAll(comm_, mine);
+      mine.push_back(item->measures.at(part.second));
+  mine = gatherAll(comm, mine);
   HARMOS_REQUIRE(!mine.empty(), "a part that an effect measures has no nodes");
   return mine.front();
 }
 
-std::vector<ConstraintCollector::Node> ConstraintCollector::allNodesOf(int body, const std::string& set) {
-  askForHeldDofs({{body, set}});
+using Node = ConstraintCollector::Node;
+
+std::vector<Node> allNodesIn(const Teuchos::Comm<int>& comm, const PartsOfRank& parts,
+                             const PartsOfRank::Part& part) {
   std::vector<Node> nodes;
-  for (const OwnedSubdomain* item : partsOfAsked().withNodes({body, set}))
-    for (int node : item->mesh.sets.at(set))
+  for (const OwnedSubdomain* item : parts.withNodes(part))
+    for (int node : item->mesh.sets.at(part.second))
       nodes.push_back({item->mesh.number(node), item->mesh.position(node)});
-  nodes = gatherAll(comm_, nodes);
+  nodes = gatherAll(comm, nodes);
   const auto isBefore = [](const Node& a, const Node& b) {
     return std::tie(a.number, a.position) < std::tie(b.number, b.position);
   };
@@ -534,6 +538,26 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::allNodesOf(int body,
                           [](const Node& a, const Node& b) { return a.number == b.number; }),
               nodes.end());
   return nodes;
+}
+
+} // namespace
+
+PartMeasure ConstraintCollector::measureOf(int body, const std::string& set) const {
+  return measureIn(comm_, partsOfAsked(), {body, set});
+}
+
+PartMeasure ConstraintCollector::measureAtRest(int body, const std::string& set) const {
+  return measureIn(comm_, partsAtRest(), {body, set});
+}
+
+std::vector<ConstraintCollector::Node> ConstraintCollector::allNodesOf(int body, const std::string& set) {
+  askForHeldDofs({{body, set}});
+  return allNodesIn(comm_, partsOfAsked(), {body, set});
+}
+
+std::vector<ConstraintCollector::Node> ConstraintCollector::allNodesAtRest(int body,
+                                                                           const std::string& set) const {
+  return allNodesIn(comm_, partsAtRest(), {body, set});
 }
 
 // On rank 0, behind the ties, and behind the slips.
@@ -581,6 +605,31 @@ void ConstraintCollector::count(ContactSetup& setup) const {
       setup.tangential.insert(scene_.effects[k].get());
 }
 
+namespace {
+
+// Effects whose magnitude is that of rows, not of loads or of prescribed values of bodies.
+bool movesRows(const Effect& effect) {
+  return effect.hasMagnitude() && effect.bodies().empty() && effect.exertsForce();
+}
+
+// Of equations their value, of contacts the interference, as a gap that gets smaller.
+std::vector<double> movingParts(const ContactSetup& setup) {
+  std::unordered_map<long long, double> interference; // by the number of the row
+  for (const ContactPoint& point : setup.points)
+    interference[point.number] = point.interference;
+  std::vector<double> moving(setup.rows.size(), 0.0);
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    const ConstraintRow& row = setup.rows[k];
+    if (row.kind == ConstraintRow::Kind::Inequality)
+      moving[k] = -interference.at(row.number);
+    else if (row.kind == ConstraintRow::Kind::Equality && movesRows(*setup.origins[k].effect))
+      moving[k] = row.bound;
+  }
+  return moving;
+}
+
+} // namespace
+
 ContactSetup ConstraintCollector::finish() {
   ContactSetup result;
   contacts_.finish(comm_);
@@ -599,6 +648,7 @@ ContactSetup ConstraintCollector::finish() {
   addTieRows(result);
   addEquationRows(result);
   count(result);
+  result.moving = movingParts(result);
   result.notes = std::move(notes_);
   return result;
 }

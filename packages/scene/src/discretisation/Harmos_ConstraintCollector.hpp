@@ -81,7 +81,10 @@ struct ContactSetup {
   }
   std::vector<ConstraintRow> rows; ///< of inequalities, of slips, of ties
   std::vector<Origin> origins;     ///< of each of these; a row that two effects ask for is the first one's
-  std::vector<std::string> notes;  ///< what the user should know; sentences
+  /// Of each row the part of its bound that goes with the history of its effect; bounds are those of
+  /// factor 1.
+  std::vector<double> moving;
+  std::vector<std::string> notes; ///< what the user should know; sentences
 };
 
 /// Where effects put their constraints, and what they need to find them. Every row is told apart from those
@@ -152,8 +155,12 @@ class ConstraintCollector {
   int components() const { return scene_.components(); }
   /// Of a part that an effect measures, see Effect::BoundaryPart; the same on all ranks. @note Collective.
   PartMeasure measureOf(int body, const std::string& set) const;
+  /// The same of the bodies at rest. @note Collective.
+  PartMeasure measureAtRest(int body, const std::string& set) const;
   /// All nodes of a part, by their numbers, on all ranks. @note Collective.
   std::vector<Node> allNodesOf(int body, const std::string& set);
+  /// The same of the bodies at rest. @note Collective.
+  std::vector<Node> allNodesAtRest(int body, const std::string& set) const;
 
   using Equation = EquationRows::Equation;
   /// An equality row Σ coefficient · displacement = value. Where all of its dofs are prescribed it is left
@@ -250,9 +257,8 @@ class ConstraintCollector {
   std::vector<fem::Point> tangentsOf(std::size_t point) const;
   bool binds(std::size_t point, double extent) const;
   void keepPairings(const std::vector<Part>& surfaces, std::vector<contact::ContactPoint>& points) const;
-  const PartsOfRank& partsOfAsked() const {
-    return isOfMoved() || !places_.atRest ? places_.now : *places_.atRest;
-  }
+  const PartsOfRank& partsOfAsked() const { return isOfMoved() ? places_.now : partsAtRest(); }
+  const PartsOfRank& partsAtRest() const { return places_.atRest ? *places_.atRest : places_.now; }
   Places places_;
   const Effect* asked_ = nullptr;
   int askedBefore_ = -1;

@@ -203,7 +203,8 @@ void findOwnNodes(const Teuchos::Comm<int>& comm, const Scene& scene, std::vecto
   });
 }
 
-// OwnedSubdomain::measures of the parts that effects measure. @note Collective.
+} // namespace
+
 void measureParts(const Teuchos::Comm<int>& comm, const Scene& scene, std::vector<OwnedSubdomain>& owned) {
   std::set<std::pair<int, std::string>> measured;
   for (const auto& effect : scene.effects)
@@ -231,8 +232,6 @@ void measureParts(const Teuchos::Comm<int>& comm, const Scene& scene, std::vecto
         item.measures[set] = {sums[3], {sums[0], sums[1], sums[2]}};
   }
 }
-
-} // namespace
 
 std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene,
                                       Numbering numbering) {

@@ -34,6 +34,10 @@ enum class Numbering {
 std::vector<OwnedSubdomain> decompose(const Teuchos::Comm<int>& comm, const Scene& scene,
                                       Numbering numbering = Numbering::AsMade);
 
+/// OwnedSubdomain::measures of the parts that effects measure: decompose() has made them, subdomains that
+/// have moved have others. @note Collective.
+void measureParts(const Teuchos::Comm<int>& comm, const Scene& scene, std::vector<OwnedSubdomain>& owned);
+
 /// Stiffness, load, kernel and Dirichlet conditions of each, with what the effects add to them. Subdomains
 /// that share a mesh share the matrix.
 /// @throws InputError for materials out of range and cells that are inverted or have no area, naming body,

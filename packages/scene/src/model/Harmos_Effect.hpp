@@ -96,8 +96,9 @@ class Effect {
   virtual void addLoad(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
   /// Whether loads are of the force which the effect tells of, as between two sides of a cut.
   virtual bool loadsWithItsForce() const { return false; }
-  /// f += those on the first side alone.
-  virtual void addForce(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
+  /// f += those on the first side alone. @param subdomain at rest, and of finite displacements as it is now.
+  virtual void addForce(const Scene&, const FiniteBehaviour::Deformed& /*subdomain*/,
+                        std::vector<double>& /*load*/) const {}
   /// As loadKey(), for addStiffness().
   virtual std::optional<Key> stiffnessKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
   /// K += a symmetric positive semidefinite matrix; entries at equal places add up. The kernel of the sum
