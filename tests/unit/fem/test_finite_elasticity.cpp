@@ -242,8 +242,8 @@ TEST(FiniteElasticity, forces_are_derivatives_of_the_energy) {
     }
 }
 
-// A body that is turned by 90° about z, in space by half a turn about another axis too, and moved has no stress;
-// around an axis, moved along it.
+// A body that is turned by 90° about z, in space by half a turn about another axis too, and moved has no
+// stress; around an axis, moved along it.
 TEST(FiniteElasticity, rigid_motions_have_no_forces) {
   for (const Case& c : allCases()) {
     SCOPED_TRACE(c.name());
