@@ -300,7 +300,7 @@ scene::Scene sceneOf(const Application& application, const DeckContext& context)
   scene::Scene scene = application.makeScene(context);
   timeline.followAsIn(scene.timeline);
   scene.timeline = std::move(timeline);
-  if (scene.isFinite())
+  if (scene.iterates())
     scene.timeline.bringUp();
   return scene;
 }

@@ -72,6 +72,33 @@ bool isIsotropic(const ParameterList& list) {
   return type == "isotropic" || type == "neo-Hookean";
 }
 
+constexpr double notGiven = -1.0;
+
+// None without a yield stress or a curve.
+std::optional<fem::Plasticity> plasticityFrom(const ParameterList& list) {
+  const ParameterList& given = list.sublist("Plasticity");
+  const auto strains = given.get<Teuchos::Array<double>>("Plastic strains").toVector(),
+             stresses = given.get<Teuchos::Array<double>>("Stresses").toVector();
+  fem::Plasticity plasticity;
+  const double yieldStress = given.get<double>("Yield stress");
+  plasticity.isotropic = given.get<double>("Isotropic hardening");
+  plasticity.kinematic = given.get<double>("Kinematic hardening");
+  const bool hasCurve = !strains.empty() || !stresses.empty();
+  const std::string path = "\"" + list.name() + "/Plasticity";
+  if (hasCurve && (yieldStress != notGiven || plasticity.isotropic != 0.0))
+    throw InputError(path + "\" has a curve, which says yield stress and isotropic hardening; remove \"" +
+                         (yieldStress != notGiven ? "Yield stress" : "Isotropic hardening") + "\"",
+                     {{"path", path}});
+  if (!hasCurve && yieldStress == notGiven && (plasticity.isotropic != 0.0 || plasticity.kinematic != 0.0))
+    throw InputError(path + "\" has hardening and no yield stress; give \"Yield stress\"", {{"path", path}});
+  if (!hasCurve && yieldStress == notGiven)
+    return std::nullopt;
+  plasticity.yieldStress = hasCurve && !stresses.empty() ? stresses.front() : yieldStress;
+  if (hasCurve)
+    plasticity.curve = std::array<std::vector<double>, 2>{strains, stresses};
+  return plasticity;
+}
+
 fem::Material materialFrom(const ParameterList& list) {
   fem::Material material;
   if (list.get<std::string>("Type") == "anisotropic") {
@@ -94,6 +121,7 @@ fem::Material materialFrom(const ParameterList& list) {
       material = material.turnedTo(directionIn(list, "Axis 1"), directionIn(list, "Axis 2"));
   }
   material.expansion = triple<double>(list, "Thermal expansion");
+  material.plasticity = plasticityFrom(list);
   return material;
 }
 
@@ -131,7 +159,9 @@ fem::Dilatation dilatationOf(const ParameterList& list, const std::vector<fem::M
   const std::string choice = list.sublist("Expert").get<std::string>("Dilatation");
   const bool project =
       choice == "projected" ||
-      (choice == "auto" && std::any_of(materials.begin(), materials.end(), fem::nearlyIncompressible));
+      (choice == "auto" && std::any_of(materials.begin(), materials.end(), [](const fem::Material& material) {
+         return fem::nearlyIncompressible(material) || material.plasticity.has_value();
+       }));
   return project ? fem::Dilatation::Projected : fem::Dilatation::Full;
 }
 
@@ -481,6 +511,22 @@ void addMaterials(ParameterSpec& deck) {
                    {"neo-Hookean", "isotropic; compressible rubber, for finite strains"}},
                   "Symmetry and law of the material. At finite strains the first three are St. "
                   "Venant-Kirchhoff's: linear in Green's strain.");
+  ParameterSpec plasticity("Plasticity",
+                           "Von Mises' plasticity of an isotropic material, associative, with hardening. "
+                           "Not given: the material is elastic.");
+  plasticity.real("Yield stress", notGiven, Range(),
+                  "Yield stress at first, a force per area above 0. -1: not given.");
+  plasticity.real("Isotropic hardening", 0.0, Range::atLeast(0.0),
+                  "Modulus: how the yield stress grows over the equivalent plastic strain.");
+  plasticity.real(
+      "Kinematic hardening", 0.0, Range::atLeast(0.0),
+      "Modulus: how the centre of the yield surface moves, over the axial plastic strain of a bar.");
+  plasticity.series(
+      "Plastic strains", Range::atLeast(0.0),
+      "Points of the hardening curve, in the place of yield stress and isotropic hardening: equivalent "
+      "plastic strains, rising from 0. Beyond the last one the stress stays.");
+  plasticity.series("Stresses", Range::above(0.0), "Yield stresses at \"Plastic strains\", not falling.");
+  material.list(std::move(plasticity));
   material.real("Young's modulus", 1.0, Range::above(0.0), "Isotropic: Young's modulus, force per area.");
   material.real("Poisson's ratio", 0.3, Range::strictlyWithin(-1.0, 0.5),
                 "Isotropic: Poisson's ratio. Above 0.4 see \"Dilatation\" of the bodies.");
@@ -517,7 +563,7 @@ void addExpertParameters(ParameterSpec& body) {
                         "Source file: seed of METIS' random numbers. Each seed gives another decomposition, "
                         "of equal quality.");
   body.expert().choice("Dilatation", "auto",
-                       {{"auto", "projected if a Poisson's ratio is above 0.4"},
+                       {{"auto", "projected if a Poisson's ratio is above 0.4, and of materials that yield"},
                         {"full", "from the displacements"},
                         {"projected", "B-bar, for nearly incompressible materials"}},
                        "Volume change in the stiffness.");

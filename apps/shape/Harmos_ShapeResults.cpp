@@ -115,7 +115,8 @@ void writeFields(const Answer& answer, const std::string& path, bool withStresse
   fields.components = answer.scene.components();
   std::vector<std::vector<fem::Voigt>> stress;
   if (withStresses && answer.scene.physics != scene::Physics::Membrane) {
-    stress = run::recoverStress(answer.comm, answer.scene, answer.owned, u, answer.scene.timeline.end());
+    stress =
+        run::recoverStress(answer.comm, answer.scene, answer.owned, u, answer.scene.timeline.end()).stress;
     fields.stress = &stress;
   }
   const std::vector<run::ContactState> states =

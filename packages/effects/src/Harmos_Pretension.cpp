@@ -128,14 +128,25 @@ void Pretension::addLoad(const scene::Scene& scene, const scene::OwnedSubdomain&
   pull(second_, subdomain, subdomain, load);
 }
 
-void Pretension::addFollowingLoad(const scene::Scene&, const Deformed& subdomain,
-                                  std::vector<double>& load) const {
-  pull(first_, subdomain.rest, subdomain.now, load);
-  pull(second_, subdomain.rest, subdomain.now, load);
+namespace {
+
+// Around an axis the mean normal of a ring is that of rest.
+const scene::OwnedSubdomain& directed(const scene::Scene& scene,
+                                      const scene::FiniteBehaviour::Deformed& subdomain) {
+  return scene.physics == scene::Physics::Axisymmetric ? subdomain.rest : subdomain.now;
 }
 
-void Pretension::addForce(const scene::Scene&, const Deformed& subdomain, std::vector<double>& load) const {
-  pull(first_, subdomain.rest, subdomain.now, load);
+} // namespace
+
+void Pretension::addFollowingLoad(const scene::Scene& scene, const Deformed& subdomain,
+                                  std::vector<double>& load) const {
+  pull(first_, subdomain.rest, directed(scene, subdomain), load);
+  pull(second_, subdomain.rest, directed(scene, subdomain), load);
+}
+
+void Pretension::addForce(const scene::Scene& scene, const Deformed& subdomain,
+                          std::vector<double>& load) const {
+  pull(first_, subdomain.rest, directed(scene, subdomain), load);
 }
 
 void Pretension::requirePlane(const scene::ConstraintCollector& collector) const {
@@ -286,10 +297,24 @@ class JumpRows {
 
 } // namespace
 
+// The mean normal of the deformed cut; of half a bolt, which a plane of symmetry holds, or around an axis it
+// does not leave the plane, or the axis.
+fem::Point Pretension::directionNow(scene::ConstraintCollector& collector, const fem::Point& atRest) const {
+  if (collector.isAroundAxis())
+    return atRest;
+  fem::Point n = directionOf(collector.measureOf(first_.body, first_.set));
+  for (int c = 0; c < collector.components(); ++c)
+    if (atRest[static_cast<std::size_t>(c)] == 0.0 &&
+        (collector.isHeldAnywhere(first_.body, first_.set, c) ||
+         collector.isHeldAnywhere(second_.body, second_.set, c)))
+      n[static_cast<std::size_t>(c)] = 0.0;
+  return scaled(1.0 / norm(n), n);
+}
+
 void Pretension::addConstraints(scene::ConstraintCollector& collector) const {
   requirePlane(collector);
   const fem::Point atRest = directionOf(collector.measureAtRest(first_.body, first_.set)),
-                   n = directionOf(collector.measureOf(first_.body, first_.set));
+                   n = collector.isOfMoved() ? directionNow(collector, atRest) : atRest;
   const std::vector<NodePair> pairs = pairsOf(collector, first_, second_, label());
   for (const fem::Point& t : tangentsOf(atRest, collector.components()))
     JumpRows(collector, pairs, turned(atRest, n, t)).addEach(0.0);

@@ -17,8 +17,8 @@ namespace Harmos::effects {
 /// does not give way. A history scales F or s.
 ///
 /// Of finite displacements n is that of the deformed cut, in the mean: the bolt may turn and bend, its force
-/// goes with it. What n adds to the derivative of u¹ − u² = s n is left out: forces across the bolt act s
-/// apart, and make a couple of that arm.
+/// goes with it. Of half a bolt it stays in the plane that holds it. What n adds to the derivative of u¹ − u²
+/// = s n is left out: forces across the bolt act s apart, and make a couple of that arm.
 ///
 /// Guarded by tests/verification/physics/test_pretension.py and tests/verification/finite.
 class Pretension : public scene::Effect, public scene::FiniteBehaviour {
@@ -57,6 +57,7 @@ class Pretension : public scene::Effect, public scene::FiniteBehaviour {
   void pull(const Part& part, const scene::OwnedSubdomain& atRest, const scene::OwnedSubdomain& now,
             std::vector<double>& load) const;
   void requirePlane(const scene::ConstraintCollector& collector) const;
+  fem::Point directionNow(scene::ConstraintCollector& collector, const fem::Point& atRest) const;
 
   Part first_, second_;
   Options options_;

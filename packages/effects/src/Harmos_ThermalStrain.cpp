@@ -44,7 +44,7 @@ std::optional<scene::Effect::Key> ThermalStrain::loadKey(const scene::Scene&,
 
 void ThermalStrain::addLoad(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,
                             std::vector<double>& load) const {
-  if (scene.isFinite())
+  if (scene.iterates())
     return;
   const scene::Body& body = scene.bodies[static_cast<std::size_t>(body_)];
   const fem::Mesh& mesh = *subdomain.mesh.mesh;

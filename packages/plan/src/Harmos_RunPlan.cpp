@@ -167,7 +167,7 @@ RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const sc
   const double scenery = std::max(0.0, globalMax(*comm, run::peakMemoryMiB()) * mebi - program);
   plan.survey = survey(comm, scene, options);
   plan.survey.steps = static_cast<long long>(scene.timeline.ends().size());
-  plan.isOfIterations = scene.isFinite();
+  plan.isOfIterations = scene.iterates();
   plan.survey.secondsOfMeshes += globalMax(*comm, scene.secondsToMake);
   plan.products = expectedProducts(scene, options);
   for (int ranks : counts)

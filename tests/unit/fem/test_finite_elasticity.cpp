@@ -153,14 +153,14 @@ TEST(ElasticLaw, stress_and_tangent_are_derivatives) {
       Voigt at = strain;
       if (kinematics != Kinematics::Solid)
         at[4] = at[5] = 0.0;
-      const fem::ElasticResponse response = law.at(at, rise);
+      const fem::MaterialResponse response = law.at(at, rise);
       for (std::size_t r = 0; r < (kinematics == Kinematics::Solid ? 6U : 4U); ++r) {
         if (kinematics == Kinematics::PlaneStress && r == 2)
           continue; // not its own
         Voigt more = at, less = at;
         more[r] += h;
         less[r] -= h;
-        const fem::ElasticResponse above = law.at(more, rise), below = law.at(less, rise);
+        const fem::MaterialResponse above = law.at(more, rise), below = law.at(less, rise);
         EXPECT_NEAR(response.stress[r], (above.energy - below.energy) / (2.0 * h),
                     share * (1.0 + std::abs(response.stress[r])))
             << r;
@@ -188,7 +188,7 @@ TEST(ElasticLaw, free_expansion_has_no_stress) {
       const double first = std::pow(1.0 + rise * material.expansion[0], 2),
                    second = std::pow(1.0 + rise * material.expansion[1], 2),
                    third = std::pow(1.0 + rise * material.expansion[2], 2);
-      const fem::ElasticResponse response =
+      const fem::MaterialResponse response =
           law.at({0.5 * (c * c * first + d * d * second - 1.0), 0.5 * (d * d * first + c * c * second - 1.0),
                   0.5 * (third - 1.0), c * d * (first - second), 0.0, 0.0},
                  rise);
@@ -204,7 +204,7 @@ TEST(ElasticLaw, neo_hookean_uniaxial) {
   const double e = 3.0, nu = 0.3, mu = e / 2.6, lame = e * nu / (1.3 * 0.4);
   const fem::ElasticLaw law(materialOf(Material::Law::NeoHookean), Kinematics::Solid);
   for (const double stretch : {0.2, 0.9, 1.0, 1.7, 4.0}) {
-    const fem::ElasticResponse response = law.at({0.5 * (stretch * stretch - 1.0), 0, 0, 0, 0, 0});
+    const fem::MaterialResponse response = law.at({0.5 * (stretch * stretch - 1.0), 0, 0, 0, 0, 0});
     const double first = mu * (stretch - 1.0 / stretch) + lame * std::log(stretch) / stretch;
     EXPECT_NEAR(stretch * response.stress[0], first, 1e-13 * (1.0 + std::abs(first)));
   }

@@ -173,5 +173,37 @@ class Turned(unittest.TestCase):
                 self.assertLess(np.linalg.norm(back @ force[id(a)] - force[id(b)]), 1e-6 * largest)
 
 
+class Kept(unittest.TestCase):
+    """What is broken stays so in results, wherever it has gone; where both sides are held glue has nothing to say."""
+
+    def test_broken_points_stay_broken(self):
+        def block_of(name, y):
+            return block([0.0, y], [4.0, 1.0], [2, 1], [3 if name == "lower" else 4, 2], "Q1", "m")
+
+        run = runs.solved(self, deck({
+            "Model": {"Physics": "plane strain", "Kinematics": "finite"},
+            "Materials": {"m": {"Type": "neo-Hookean", "Young's modulus": 1.0, "Poisson's ratio": 0.3}},
+            "Bodies": {"lower": block_of("lower", 0.0), "upper": block_of("upper", 1.0)},
+            "Steps": {"Number": 6, "Smallest step": 0.05},
+            "Effects": {
+                "Contact": {"joint": {"First": "upper/bottom", "Second": "lower/top", "Reach": 0.1}},
+                "Adhesion": {"glue": {
+                    "Contact": "joint", "Law": "brittle", "Normal stiffness": 10.0, "Tangential stiffness": 10.0,
+                    "Normal strength": 0.01, "Tangential strength": 0.01,
+                }},
+                "Prescribed displacement": {
+                    "ground": {"Part": "lower/bottom"}, "end": {"Part": "lower/right"}, "other": {"Part": "upper/right"},
+                    "lift": {"Part": "upper/left", "Components": ["y"], "Displacement": [0.0, 1.2, 0.0]},
+                },
+            },
+        }), np=2, program="harmos")
+        broken = [row["broken"] for row in steps_of(run.directory)]
+        self.assertEqual(broken, sorted(broken))
+        self.assertGreater(broken[-1], 2)
+        points, damage, _ = field(run.directory, "damage")
+        at = (np.abs(points[:, 1] - 1.0) < 1e-9) & (points[:, 0] < 0.01)
+        self.assertEqual(damage[at].max(), 1.0)
+
+
 if __name__ == "__main__":
     runs.main()

@@ -20,7 +20,7 @@ import harmos_runs as runs  # noqa: E402
 
 try:
     import numpy as np
-    from finite_scenes import carried, corner_parts, deck, geometry, rotation, steps_of
+    from finite_scenes import block, carried, corner_parts, deck, geometry, rotation, steps_of
     from scipy.optimize import brentq
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
@@ -106,6 +106,39 @@ class Turned(unittest.TestCase):
         ])
         # Work of the shift and of the ends, by the trapezoidal rule.
         self.assertAlmostEqual(rows[-1]["external_work"], rows[-1]["energy"], delta=0.01 * rows[-1]["energy"])
+
+
+class Half(unittest.TestCase):
+    """Of a bolt whose cut dishes, beside a plane of symmetry and around an axis: what it is cut from is held there."""
+
+    def rows(self, physics, left, width):
+        lower = block([left, 0.0], [width, 1.0], [1, 1], [4 if width == 1.0 else 8, 4], "Q1", "m")
+        upper = block([left, 1.0], [width, 0.25], [1, 1], [4 if width == 1.0 else 8, 1], "Q1", "m")
+        held = {"ground": {"Part": "lower/bottom"}, "hold": {"Part": "upper/right", "Components": ["y"]}}
+        if physics == "plane strain" and width == 1.0:
+            held |= {f"{body}": {"Part": f"{body}/left", "Components": ["x"]} for body in ("lower", "upper")}
+        if width == 2.0:
+            held["other"] = {"Part": "upper/left", "Components": ["y"]}
+        return steps_of(runs.solved(self, deck({
+            "Model": {"Physics": physics, "Kinematics": "finite"},
+            "Materials": {"m": {"Young's modulus": 100.0, "Poisson's ratio": 0.3}},
+            "Bodies": {"lower": lower, "upper": upper},
+            "Steps": {"Number": 3},
+            "Solver": {"Tolerance": 1e-8},
+            "Effects": {
+                "Pretension": {"bolt": {"First": "lower/top", "Second": "upper/bottom", "Shift": 0.05}},
+                "Prescribed displacement": held,
+            },
+        }), np=2, program="harmos").directory)[-1]
+
+    def test_half_is_half(self):
+        half, whole = self.rows("plane strain", 0.0, 1.0), self.rows("plane strain", -1.0, 2.0)
+        self.assertAlmostEqual(2.0 * half["energy"], whole["energy"], delta=1e-6 * whole["energy"])
+        self.assertAlmostEqual(2.0 * half["Pretension/bolt/fy"], whole["Pretension/bolt/fy"], delta=1e-5)
+
+    def test_around_an_axis(self):
+        row = self.rows("axisymmetric", 0.0, 1.0)
+        self.assertAlmostEqual(row["external_work"], row["energy"], delta=0.02 * row["energy"])
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "Harmos_LocalMatrix.hpp"
-#include "Harmos_Material.hpp"
+#include "Harmos_MaterialLaw.hpp"
 #include "Harmos_Mesh.hpp"
 
 #include <memory>
@@ -26,12 +26,6 @@ enum class Integration {
           ///< those of 15, as other programs have it (C3D20R, CPS8R, C3D6, C3D15): softer in bending; a cell
           ///< alone, but the last one, has motions of no energy besides the rigid ones. Without effect on
           ///< other elements: on Lagrange elements of second order such motions spread over all cells
-};
-
-/// Of what displacements stresses are.
-enum class Strains {
-  Small, ///< linear
-  Finite ///< Green's, of any size: see ElasticLaw; stresses are Cauchy's, of the deformed body
 };
 
 /// Elasticity on a mesh: what is integrated, and with what. dof = node · dimension + component.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_StressSums.hpp"
 
-#include "Harmos_FiniteStress.hpp"
+#include "Harmos_LawStress.hpp"
 #include "Harmos_StrainOperator.hpp"
 
 #include <algorithm>
@@ -39,8 +39,8 @@ class CellStress {
     if (elasticity == nullptr)
       return;
     elasticity_ = elasticity;
-    if (elasticity->strains == Strains::Finite) {
-      finite_ = std::make_unique<FiniteStress>(mesh, cell, *elasticity);
+    if (LawStress::isOf(*elasticity)) {
+      byLaw_ = std::make_unique<LawStress>(mesh, cell, *elasticity);
       return;
     }
     stiffness_ = stiffnesses(*elasticity);
@@ -51,8 +51,8 @@ class CellStress {
   void turnTo(int c) {
     members_ = mesh_.cell(c);
     number_ = c;
-    if (finite_ != nullptr)
-      finite_->turnTo(mesh_.region(c));
+    if (byLaw_ != nullptr)
+      byLaw_->turnTo(mesh_, c);
     if (strain_ == nullptr)
       return;
     strain_->update();
@@ -73,15 +73,18 @@ class CellStress {
     thermal_.nodal = solution.temperatures.get();
     if (thermal_.nodal != nullptr && !field_)
       field_.emplace(mesh_, element_, elasticity_->integration);
-    if (finite_ != nullptr)
-      finite_->update(values_.data());
+    if (byLaw_ != nullptr)
+      byLaw_->update(values_.data(), solution.states);
   }
+
+  // See MaterialLaw::shownState().
+  double shownAt(int q) const { return byLaw_ != nullptr ? byLaw_->shownAt(q) : 0.0; }
 
   Stress<Entries> at(int q) const {
     if constexpr (Entries == elastic) {
-      if (finite_ != nullptr)
-        return finite_->at(
-            q, thermal_.rise + (thermal_.nodal != nullptr ? field_->at(*thermal_.nodal, number_, q) : 0.0));
+      if (byLaw_ != nullptr)
+        return byLaw_->at(q, thermal_.rise +
+                                 (thermal_.nodal != nullptr ? field_->at(*thermal_.nodal, number_, q) : 0.0));
       if (thermal_.nodal == nullptr)
         return strain_->stress(q, values_.data(), *material_, thermal_.strain);
       Voigt thermal = thermal_.strain;
@@ -108,8 +111,8 @@ class CellStress {
   std::optional<TemperatureField> field_; // where there are any
   const Elasticity* elasticity_ = nullptr;
   std::vector<VoigtMatrix> stiffness_;
-  std::unique_ptr<StrainOperator> strain_; // of small strains, or
-  std::unique_ptr<FiniteStress> finite_;
+  std::unique_ptr<StrainOperator> strain_; // of stiffness, or
+  std::unique_ptr<LawStress> byLaw_;
   std::vector<double> values_;
   const int* members_ = nullptr;
   const VoigtMatrix* material_ = nullptr;
@@ -121,70 +124,86 @@ class CellStress {
   } thermal_;
 };
 
+// What values at the points of a cell contribute to the sums at its nodes: those of the polynomial of least
+// squares, times the size of the cell. @param m functions of the polynomial.
+void findWeights(const Mesh& mesh, const CellIntegrator& cell, int number, int m,
+                 std::vector<double>& toNodes) {
+  const auto functions = static_cast<std::size_t>(m), points = static_cast<std::size_t>(cell.points()),
+             size = static_cast<std::size_t>(cell.basisSize());
+  const int* members = mesh.cell(number);
+  const double area = cell.size();
+  if (m == 1) {
+    // Functions of the first order need no more than a mean.
+    for (std::size_t i = 0; i < size; ++i)
+      for (std::size_t q = 0; q < points; ++q)
+        toNodes[i * points + q] = cell.measure(static_cast<int>(q));
+  } else {
+    // Values at points → polynomial of least squares → its values at the nodes, times the size of the cell.
+    const double length = std::pow(area, 1.0 / static_cast<double>(mesh.dimension()));
+    const Point origin = mesh.local(members[0]);
+    const auto basis = [&](const Point& x, std::size_t a) {
+      return a == 0 ? 1.0 : (x[a - 1] - origin[a - 1]) / length;
+    };
+    std::vector<double> gram(functions * functions, 0.0), moments(functions * points);
+    for (std::size_t q = 0; q < points; ++q) {
+      const Point x = cell.position(static_cast<int>(q));
+      for (std::size_t a = 0; a < functions; ++a) {
+        const double weight = cell.measure(static_cast<int>(q)) * basis(x, a);
+        moments[q * functions + a] = weight;
+        for (std::size_t b = 0; b < functions; ++b)
+          gram[a * functions + b] += weight * basis(x, b);
+      }
+    }
+    solveSmall(m, gram, static_cast<int>(points), moments.data());
+    for (std::size_t i = 0; i < size; ++i) {
+      const Point x = mesh.local(members[i]);
+      for (std::size_t q = 0; q < points; ++q) {
+        double sum = 0.0;
+        for (std::size_t a = 0; a < functions; ++a)
+          sum += basis(x, a) * moments[q * functions + a];
+        toNodes[i * points + q] = area * sum;
+      }
+    }
+  }
+}
+
 template<std::size_t Entries>
 std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
                                const std::vector<NodalSolution>& solutions) {
   const CellShape& shape = shapeOf(mesh.cellType);
   const bool projected = elasticity != nullptr && isProjected(mesh, *elasticity);
   // Stresses are sampled at fewer points than stiffness has; with a projected dilatation, which needs those,
-  // where they are integrated.
-  const int degree = projected && shape.order == 2 ? stiffnessDegree(mesh, elasticity->integration)
-                                                   : (shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3));
+  // where they are integrated. States are there, too.
+  const bool hasStates = elasticity != nullptr && MaterialLaws(*elasticity).stateSize() > 0;
+  const int degree = hasStates || (projected && shape.order == 2)
+                         ? stiffnessDegree(mesh, elasticity->integration)
+                         : (shape.order == 1 ? 1 : (shape.isSimplex ? 2 : 3));
   const ReferenceElement element(mesh.cellType, degree);
   CellIntegrator cell(mesh, element);
   CellStress<Entries> stress(mesh, element, cell, elasticity);
   const auto nodes = static_cast<std::size_t>(mesh.numberOfNodes());
   const int m = polynomials(shape.order - 1, mesh.dimension());
-  const auto functions = static_cast<std::size_t>(m), points = static_cast<std::size_t>(cell.points()),
+  const auto points = static_cast<std::size_t>(cell.points()),
              size = static_cast<std::size_t>(cell.basisSize());
   std::vector<StressSums> all(solutions.size(), {std::vector<Voigt>(nodes), std::vector<double>(nodes, 0.0),
-                                                 std::vector<std::array<int, 2>>(nodes, {INT_MAX, INT_MIN})});
-  std::vector<double> gram, toNodes(size * points);
+                                                 std::vector<std::array<int, 2>>(nodes, {INT_MAX, INT_MIN}),
+                                                 std::vector<double>(hasStates ? nodes : 0, 0.0)});
+  std::vector<double> toNodes(size * points);
   std::vector<Stress<Entries>> values(points);
+  std::vector<double> shown(points);
   for (int c = 0; c < mesh.numberOfCells(); ++c) {
     cell.turnTo(c);
     stress.turnTo(c);
     const int* members = mesh.cell(c);
     const int region = mesh.region(c);
     const double area = cell.size();
-    if (m == 1) {
-      // Functions of the first order need no more than a mean.
-      for (std::size_t i = 0; i < size; ++i)
-        for (std::size_t q = 0; q < points; ++q)
-          toNodes[i * points + q] = cell.measure(static_cast<int>(q));
-    } else {
-      // Values at points → polynomial of least squares → its values at the nodes, times the size of the cell.
-      const double length = std::pow(area, 1.0 / static_cast<double>(mesh.dimension()));
-      const Point origin = mesh.local(members[0]);
-      const auto basis = [&](const Point& x, std::size_t a) {
-        return a == 0 ? 1.0 : (x[a - 1] - origin[a - 1]) / length;
-      };
-      gram.assign(functions * functions, 0.0);
-      std::vector<double> moments(functions * points);
-      for (std::size_t q = 0; q < points; ++q) {
-        const Point x = cell.position(static_cast<int>(q));
-        for (std::size_t a = 0; a < functions; ++a) {
-          const double weight = cell.measure(static_cast<int>(q)) * basis(x, a);
-          moments[q * functions + a] = weight;
-          for (std::size_t b = 0; b < functions; ++b)
-            gram[a * functions + b] += weight * basis(x, b);
-        }
-      }
-      solveSmall(m, gram, static_cast<int>(points), moments.data());
-      for (std::size_t i = 0; i < size; ++i) {
-        const Point x = mesh.local(members[i]);
-        for (std::size_t q = 0; q < points; ++q) {
-          double sum = 0.0;
-          for (std::size_t a = 0; a < functions; ++a)
-            sum += basis(x, a) * moments[q * functions + a];
-          toNodes[i * points + q] = area * sum;
-        }
-      }
-    }
+    findWeights(mesh, cell, c, m, toNodes);
     for (std::size_t k = 0; k < solutions.size(); ++k) {
       stress.setSolution(solutions[k]);
       for (std::size_t q = 0; q < points; ++q)
         values[q] = stress.at(static_cast<int>(q));
+      for (std::size_t q = 0; q < points && hasStates; ++q)
+        shown[q] = stress.shownAt(static_cast<int>(q));
       StressSums& sums = all[k];
       for (std::size_t i = 0; i < size; ++i) {
         const auto node = static_cast<std::size_t>(members[i]);
@@ -195,6 +214,8 @@ std::vector<StressSums> sumsOf(const Mesh& mesh, const Elasticity* elasticity,
         for (std::size_t q = 0; q < points; ++q)
           for (std::size_t r = 0; r < Entries; ++r)
             weighted[r] += toNodes[i * points + q] * values[q][r];
+        for (std::size_t q = 0; q < points && hasStates; ++q)
+          sums.states[node] += toNodes[i * points + q] * shown[q];
       }
     }
   }

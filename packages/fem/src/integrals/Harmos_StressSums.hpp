@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_Elasticity.hpp"
+#include "Harmos_MaterialStates.hpp"
 
 #include <array>
 #include <memory>
@@ -15,6 +16,7 @@ struct NodalSolution {
   double temperature = 0.0;          ///< rise
   /// Rises at nodes, besides; see TemperatureField. Null: none.
   std::shared_ptr<const std::vector<double>> temperatures = nullptr;
+  const MaterialStates* states = nullptr; ///< of materials with these displacements, where they have any
 };
 
 /// Stresses at nodes, to be averaged over subdomains: sums over the cells around each node of size times
@@ -23,6 +25,7 @@ struct StressSums {
   std::vector<Voigt> weighted;
   std::vector<double> size;
   std::vector<std::array<int, 2>> regions; ///< the least and the largest around the node
+  std::vector<double> states = {};         ///< size times MaterialLaw::shownState(), where materials have any
 };
 
 /// In each cell, stresses at the points of the rule one order lower (where they are superconvergent: Barlow

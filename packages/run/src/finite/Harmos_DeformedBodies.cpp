@@ -30,13 +30,14 @@ std::shared_ptr<const LocalMatrix> springsOf(const scene::Scene& scene, const sc
                                item.mesh.mesh->numberOfNodes() * scene.components(), std::move(entries)));
 }
 
-feti::Kernel kernelOf(const fem::Mesh& mesh, const std::vector<double>& displacement) {
+// @param displacement null: at rest.
+feti::Kernel kernelOf(const fem::Mesh& mesh, const std::vector<double>* displacement) {
   const int components = mesh.dimension();
   if (mesh.isAxisymmetric)
     return feti::translationKernel(mesh.numberOfNodes() * components, components, 1);
   std::vector<double> positions = mesh.coordinates;
-  for (std::size_t k = 0; k < positions.size(); ++k)
-    positions[k] += displacement[k];
+  for (std::size_t k = 0; k < positions.size() && displacement != nullptr; ++k)
+    positions[k] += (*displacement)[k];
   return feti::rigidBodyKernel(positions, components);
 }
 
@@ -46,9 +47,15 @@ DeformedBodies::DeformedBodies(const Teuchos::Comm<int>& comm, const scene::Scen
                                const std::vector<scene::OwnedSubdomain>& atRest)
     : comm_(comm), scene_(scene), atRest_(atRest) {
   agree(comm, [&] {
-    for (const scene::OwnedSubdomain& item : atRest)
-      springs_.push_back(springsOf(scene, item));
+    for (std::size_t i = 0; i < atRest.size(); ++i) {
+      springs_.push_back(springsOf(scene, atRest[i]));
+      states_.push_back(fem::initialStates(*atRest[i].mesh.mesh, elasticityAt(i)));
+    }
   });
+}
+
+fem::Elasticity DeformedBodies::elasticityAt(std::size_t subdomain) const {
+  return elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(atRest_[subdomain].body)]);
 }
 
 // Of each subdomain.
@@ -62,31 +69,34 @@ std::vector<fem::TemperatureRise> DeformedBodies::risesAt(double time) const {
 
 DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displacement, double time) const {
   Forces result;
-  double energy = 0.0;
+  std::vector<double> sums(2, 0.0); // stored, dissipated
   long long unsound = 0;
   agree(comm_, [&] {
     const std::vector<fem::TemperatureRise> rises = risesAt(time);
     for (std::size_t i = 0; i < atRest_.size() && unsound == 0; ++i) {
       const scene::OwnedSubdomain& item = atRest_[i];
       const std::vector<double>& u = displacement[i];
-      fem::FiniteForces forces = fem::finiteForces(
-          *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]), u,
-          rises[i]);
+      fem::FiniteForces forces =
+          fem::finiteForces(*item.mesh.mesh, elasticityAt(i), u, rises[i], &states_[i]);
       unsound += forces.leastJacobian > 0.0 && std::isfinite(forces.energy) ? 0 : 1;
-      energy += forces.energy;
+      sums[0] += forces.energy;
+      sums[1] += forces.dissipated;
+      result.yields.push_back(forces.yields ? 1 : 0);
       if (springs_[i]) {
         std::vector<double> pulls(u.size());
         springs_[i]->multiply(u.data(), pulls.data());
         for (std::size_t k = 0; k < u.size(); ++k) {
           forces.internal[k] += pulls[k];
-          energy += 0.5 * pulls[k] * u[k];
+          sums[0] += 0.5 * pulls[k] * u[k];
         }
       }
       result.internal.push_back(std::move(forces.internal));
     }
   });
   result.isSound = globalSum(comm_, unsound) == 0;
-  result.energy = globalSum(comm_, energy);
+  globalSum(comm_, sums);
+  result.energy = sums[0];
+  result.dissipated = sums[1];
   return result;
 }
 
@@ -96,7 +106,7 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
   for (const auto& effect : scene_.effects)
     if (effect->finite() != nullptr && effect->finite()->hasFollowingLoads())
       effects.push_back(effect.get());
-  if (effects.empty())
+  if (effects.empty() || !scene_.isFinite())
     return result;
   std::vector<scene::OwnedSubdomain> moved = scene::moved(atRest_, displacement);
   scene::measureParts(comm_, scene_, moved);
@@ -118,23 +128,37 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
   return result;
 }
 
-DeformedBodies::Tangent DeformedBodies::tangent(const feti::TornVector& displacement, double time) const {
-  Tangent result;
+void DeformedBodies::makeTangent(const feti::TornVector& displacement, double time,
+                                 const std::vector<char>* which, Tangent& tangent) const {
   agree(comm_, [&] {
     const std::vector<fem::TemperatureRise> rises = risesAt(time);
+    tangent.matrices.resize(atRest_.size());
+    tangent.kernels.resize(atRest_.size());
     for (std::size_t i = 0; i < atRest_.size(); ++i) {
+      if (which != nullptr && (*which)[i] == 0)
+        continue;
       const scene::OwnedSubdomain& item = atRest_[i];
-      LocalMatrix matrix = fem::assembleStrainTangent(
-          *item.mesh.mesh, elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(item.body)]),
-          displacement[i], rises[i]);
-      feti::Kernel kernel = kernelOf(*item.mesh.mesh, displacement[i]);
+      LocalMatrix matrix = fem::assembleStrainTangent(*item.mesh.mesh, elasticityAt(i), displacement[i],
+                                                      rises[i], &states_[i]);
+      feti::Kernel kernel = kernelOf(*item.mesh.mesh, scene_.isFinite() ? &displacement[i] : nullptr);
       if (springs_[i]) {
         kernel = feti::keptKernel(kernel, *springs_[i]);
         matrix = sum(matrix, *springs_[i]);
       }
-      result.matrices.push_back(std::make_shared<LocalMatrix>(std::move(matrix)));
-      result.kernels.push_back(std::make_shared<feti::Kernel>(std::move(kernel)));
+      tangent.matrices[i] = std::make_shared<LocalMatrix>(std::move(matrix));
+      tangent.kernels[i] = std::make_shared<feti::Kernel>(std::move(kernel));
     }
+  });
+}
+
+DeformedBodies::States DeformedBodies::statesAfter(const feti::TornVector& displacement, double time) const {
+  States result = states_;
+  agree(comm_, [&] {
+    const std::vector<fem::TemperatureRise> rises = risesAt(time);
+    for (std::size_t i = 0; i < atRest_.size(); ++i)
+      if (states_[i].size > 0)
+        fem::finiteForces(*atRest_[i].mesh.mesh, elasticityAt(i), displacement[i], rises[i], &states_[i],
+                          &result[i]);
   });
   return result;
 }
@@ -203,7 +227,8 @@ std::vector<std::optional<feti::Frame>> DeformedBodies::frames(const feti::TornV
   std::vector<std::optional<feti::Frame>> result;
   for (std::size_t i = 0; i < atRest_.size(); ++i) {
     std::optional<feti::Frame>& frame = result.emplace_back();
-    if (from[i] == to[i] || atRest_[i].mesh.mesh->isAxisymmetric) // around an axis nothing turns
+    // Around an axis nothing turns.
+    if (from[i] == to[i] || atRest_[i].mesh.mesh->isAxisymmetric || !scene_.isFinite())
       continue;
     if (const auto q = rotationOf(covariance(*atRest_[i].mesh.mesh, from[i], to[i])))
       frame.emplace(*q, scene_.components());
@@ -277,7 +302,9 @@ fem::Point DeformedBodies::placeOfLargest(const feti::TornVector& motion) const 
 std::vector<double> DeformedBodies::products(const std::vector<ConstraintRow>& rows,
                                              const feti::TornVector& displacement) const {
   const auto components = static_cast<std::size_t>(scene_.components());
-  const auto isAsked = [](const ConstraintRow& row) { return row.kind != ConstraintRow::Kind::Inequality; };
+  const auto isAsked = [this](const ConstraintRow& row) {
+    return row.kind != ConstraintRow::Kind::Inequality || !scene_.isFinite();
+  };
   std::vector<double> result(rows.size(), 0.0);
   std::vector<long long> asked;
   for (const ConstraintRow& row : rows)

@@ -3,6 +3,7 @@
 
 #include "Harmos_ConstraintRow.hpp"
 #include "Harmos_LocalMatrix.hpp"
+#include "Harmos_MaterialStates.hpp"
 #include "Harmos_Scene.hpp"
 
 #include <Teuchos_Comm.hpp>
@@ -13,8 +14,9 @@
 
 namespace Harmos::run {
 
-/// The elastic bodies of a scene at finite displacements: what they answer, with the springs that effects add
-/// to them. Displacements are of all nodes of this rank's subdomains, dof = node · components + component.
+/// The bodies of a scene, at small or finite displacements: what they answer, by the states of their
+/// materials when the step began, with the springs that effects add to them. Displacements are of all nodes
+/// of this rank's subdomains, dof = node · components + component.
 ///
 /// Members are collective. Guarded by tests/unit/run/test_finite_displacements.cpp.
 class DeformedBodies {
@@ -26,6 +28,8 @@ class DeformedBodies {
   struct Forces {
     feti::TornVector internal; ///< of each subdomain
     double energy = 0.0;       ///< stored, of all ranks
+    double dissipated = 0.0;   ///< by materials since the run began, of all ranks
+    std::vector<char> yields;  ///< of each subdomain of this rank, whether its tangent is one of going on
     bool isSound = true;       ///< no cell is turned inside out, on any rank; else nothing else is of use
   };
   /// @param time of temperatures. @throws NumericalError on all ranks for cells that are inverted at rest.
@@ -41,7 +45,16 @@ class DeformedBodies {
     std::vector<std::shared_ptr<const feti::Kernel>> kernels;
   };
   /// The material part, see fem::assembleStrainTangent(), of sound displacements.
-  Tangent tangent(const feti::TornVector& displacement, double time) const;
+  /// @param which of the subdomains: others keep what is there; null: all.
+  void makeTangent(const feti::TornVector& displacement, double time, const std::vector<char>* which,
+                   Tangent& tangent) const;
+  /// States of the materials of each subdomain. Empty where none has any.
+  using States = std::vector<fem::MaterialStates>;
+  /// Those of an answer.
+  States statesAfter(const feti::TornVector& displacement, double time) const;
+  /// When the last step was accepted.
+  const States& states() const { return states_; }
+  void setStates(States states) { states_ = std::move(states); }
 
   /// By how each subdomain has turned on the way from one displacement to another, in the mean (the rotation
   /// nearest to how its nodes have moved: Kabsch 1976); none of those that have not, and where nodes lie in a
@@ -58,17 +71,20 @@ class DeformedBodies {
   /// Where at rest the node is that moves most. Collective.
   fem::Point placeOfLargest(const feti::TornVector& motion) const;
 
-  /// Bu of this rank's rows of friction, ties and equations, of joined copies; zero of inequalities.
+  /// Bu of this rank's rows of friction, ties and equations, of joined copies; of inequalities, whose gaps
+  /// are those of deformed bodies, zero, but at small displacements.
   std::vector<double> products(const std::vector<ConstraintRow>& rows,
                                const feti::TornVector& displacement) const;
 
  private:
   std::vector<fem::TemperatureRise> risesAt(double time) const;
+  fem::Elasticity elasticityAt(std::size_t subdomain) const;
 
   const Teuchos::Comm<int>& comm_;
   const scene::Scene& scene_;
   const std::vector<scene::OwnedSubdomain>& atRest_;
   std::vector<std::shared_ptr<const LocalMatrix>> springs_; // of each subdomain; null: none
+  States states_;
 };
 
 } // namespace Harmos::run

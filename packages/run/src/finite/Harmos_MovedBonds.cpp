@@ -93,6 +93,24 @@ std::vector<scene::ContactSetup::Pairing> MovedBonds::pairings() const {
   return result;
 }
 
+void MovedBonds::release(scene::ContactSetup& contact) const {
+  if (!any())
+    return;
+  const std::vector<char> broken = states_->broken();
+  std::vector<Bond> held;
+  for (std::size_t k = 0; k < contact.bonds.size(); ++k) {
+    const Bond& bond = contact.bonds[k];
+    if (broken[k] == 0) {
+      held.push_back(bond);
+      continue;
+    }
+    contact.rows[bond.point].softness.reset();
+    for (std::size_t t = 0; bond.slip != Bond::none && t < contact.slips[bond.slip].tangents.size(); ++t)
+      contact.rows[contact.points.size() + contact.slips[bond.slip].firstPlace + t].softness.reset();
+  }
+  contact.bonds = std::move(held);
+}
+
 std::vector<MovedBonds::Place> MovedBonds::placesIn(const scene::ContactSetup& contact) const {
   std::vector<Place> places;
   for (const Bond& bond : contact.bonds) {
@@ -180,7 +198,7 @@ MovedBonds::Answer MovedBonds::answer(const scene::ContactSetup& contact,
   return result;
 }
 
-void MovedBonds::tell(const scene::ContactSetup& contact, const std::vector<RowSlip>& slips,
+void MovedBonds::tell(scene::ContactSetup& contact, const std::vector<RowSlip>& slips,
                       std::vector<ContactState>& states) {
   if (!any())
     return;
@@ -199,17 +217,24 @@ void MovedBonds::tell(const scene::ContactSetup& contact, const std::vector<RowS
   for (std::size_t k = 0; k < contact.points.size(); ++k)
     pointOf.emplace(Key(contact.effects[k], contact.points[k].node, contact.points[k].side), k);
   const std::vector<char> broken = states_->broken();
-  for (const auto& [key, k] : placeOf_)
-    if (const auto found = pointOf.find(key); broken[k] != 0 && found != pointOf.end()) {
-      ContactState& state = states[found->second];
-      state.isBound = true;
-      state.damage = 1.0;
-      for (std::size_t d = 0; d < 3; ++d) {
-        const contact::ContactPoint& point = contact.points[found->second];
-        state.jump[d] = state.slip[d] - state.gap * point.normal[d];
-        state.wholeTraction[d] = state.traction[d] - state.pressure * point.normal[d];
-      }
+  for (const auto& [key, k] : placeOf_) {
+    if (broken[k] == 0)
+      continue;
+    const auto found = pointOf.find(key);
+    const std::size_t place = found != pointOf.end() ? found->second : contact.points.size();
+    if (found == pointOf.end()) {
+      contact.points.push_back(points_.points[k]);
+      contact.effects.push_back(points_.effects[k]);
+      states.emplace_back();
     }
+    ContactState& state = states[place];
+    state.isBound = true;
+    state.damage = 1.0;
+    for (std::size_t d = 0; d < 3; ++d) {
+      state.jump[d] = state.slip[d] - state.gap * contact.points[place].normal[d];
+      state.wholeTraction[d] = state.traction[d] - state.pressure * contact.points[place].normal[d];
+    }
+  }
 }
 
 } // namespace Harmos::run

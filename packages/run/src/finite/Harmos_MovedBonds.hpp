@@ -38,6 +38,8 @@ class MovedBonds {
   void follow(const EffectStates& states) { states_ = &states; }
   bool any() const { return points_.bondCount > 0; }
 
+  /// Leaves contacts alone, as they are at rest, of what has broken. Local.
+  void release(scene::ContactSetup& contact) const;
   /// What is bound still, for scene::setUpMovedContact().
   std::vector<scene::ContactSetup::Pairing> pairings() const;
   /// Gives the rows of what is bound their springs, and where these have no force. @param contact of the
@@ -54,8 +56,9 @@ class MovedBonds {
   /// Local.
   Answer answer(const scene::ContactSetup& contact, const std::vector<ContactState>& states,
                 const std::vector<RowSlip>& slips) const;
-  /// EffectStates::tell() of what is bound. Local.
-  void tell(const scene::ContactSetup& contact, const std::vector<RowSlip>& slips,
+  /// EffectStates::tell() of what is bound. What has broken and meets nothing any more becomes a point of the
+  /// contact, without a row, for results. Local.
+  void tell(scene::ContactSetup& contact, const std::vector<RowSlip>& slips,
             std::vector<ContactState>& states);
 
  private:

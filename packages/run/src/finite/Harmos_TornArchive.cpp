@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_TornArchive.hpp"
 
+#include "Harmos_Exchange.hpp"
+
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 
@@ -18,7 +20,23 @@ TornArchive::TornArchive(qp::StateArchive<MultiVector>& archive, const feti::Sub
 }
 
 void TornArchive::exchange(const std::string& name, feti::TornVector& values) {
-  MultiVector x(map_, 1);
+  if (archive_.isReading())
+    values = system_.zeroVector();
+  exchange(name, map_, values);
+}
+
+void TornArchive::exchangeNumbers(const std::string& name, feti::TornVector& values) {
+  std::size_t own = 0;
+  for (const std::vector<double>& part : values)
+    own += part.size();
+  const auto all =
+      static_cast<Tpetra::global_size_t>(globalSum(*system_.comm(), static_cast<long long>(own)));
+  exchange(name, Teuchos::rcp(new Map(all, own, 0, system_.comm())), values);
+}
+
+void TornArchive::exchange(const std::string& name, const Teuchos::RCP<const Map>& map,
+                           feti::TornVector& values) {
+  MultiVector x(map, 1);
   if (!archive_.isReading()) {
     const auto view = x.getLocalViewHost(Tpetra::Access::OverwriteAll);
     std::size_t place = 0;
@@ -29,7 +47,6 @@ void TornArchive::exchange(const std::string& name, feti::TornVector& values) {
   archive_.vector(name, x);
   if (!archive_.isReading())
     return;
-  values = system_.zeroVector();
   const auto view = x.getLocalViewHost(Tpetra::Access::ReadOnly);
   std::size_t place = 0;
   for (std::vector<double>& part : values)

@@ -18,8 +18,12 @@ class TornArchive {
 
   /// Reading, the vector gets its shape. @note Collective.
   void exchange(const std::string& name, feti::TornVector& values);
+  /// Numbers of each subdomain, as many as these have.
+  void exchangeNumbers(const std::string& name, feti::TornVector& values);
 
  private:
+  void exchange(const std::string& name, const Teuchos::RCP<const Map>& map, feti::TornVector& values);
+
   qp::StateArchive<MultiVector>& archive_;
   const feti::SubdomainSystem& system_;
   Teuchos::RCP<const Map> map_;

@@ -93,8 +93,9 @@ feti::SolverOptions solverOptions(const scene::Scene& scene, const RunOptions& o
 }
 
 feti::DirichletForm dirichletForm(const scene::Scene& scene, const RunOptions& options) {
-  // Prescribed values in the matrix leave other motions in its kernel when nodes have moved.
-  if (scene.isFinite())
+  // Prescribed values in the matrix leave other motions in its kernel when nodes have moved; where it
+  // changes, their forces are those of rows.
+  if (scene.iterates())
     return feti::DirichletForm::Dual;
   if (options.dirichlet)
     return *options.dirichlet;
@@ -104,13 +105,13 @@ feti::DirichletForm dirichletForm(const scene::Scene& scene, const RunOptions& o
 
 void checkConsistency(const scene::Scene& scene, const RunOptions& options) {
   scene.timeline.check(scene.effects);
-  if (scene.isFinite() && options.dirichlet == feti::DirichletForm::Primal)
+  if (scene.iterates() && options.dirichlet == feti::DirichletForm::Primal)
     throw InputError("contradictory options: \"Decomposition/Dirichlet\" = \"primal\" does not go with "
-                     "\"Model/Kinematics\" = \"finite\": use \"dual\" or \"auto\"",
+                     "\"Model/Kinematics\" = \"finite\" and plasticity: use \"dual\" or \"auto\"",
                      {{"path", "Decomposition/Dirichlet"}});
-  if (scene.isFinite() && options.toleranceRule == ToleranceRule::Balanced)
+  if (scene.iterates() && options.toleranceRule == ToleranceRule::Balanced)
     throw InputError("contradictory options: \"Solver/Tolerance rule\" = \"balanced\" does not go with "
-                     "\"Model/Kinematics\" = \"finite\": use \"fixed\"",
+                     "\"Model/Kinematics\" = \"finite\" and plasticity: use \"fixed\"",
                      {{"path", "Solver/Tolerance rule"}});
   if (options.method == "PCPG" && scene.hasInequalities())
     throw InputError(

@@ -49,7 +49,8 @@ io::VtkParts partsOf(const Owned& owned) {
 
 // What writeFields() and writeCellData() write.
 long long bytesOf(const Owned& owned, const ResultFields& fields) {
-  const int width = (fields.components == 1 ? 1 : 3) + (fields.stress != nullptr ? 7 : 0);
+  const int width = (fields.components == 1 ? 1 : 3) + (fields.stress != nullptr ? 7 : 0) +
+                    (fields.plasticStrain != nullptr ? 1 : 0);
   const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0) +
                             (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0) +
                             (fields.contact != nullptr && !fields.contact->damage.empty() ? 57 : 0);
@@ -159,6 +160,8 @@ void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
                  fields.components == 1 ? 1 : 3);
   if (fields.stress != nullptr)
     writeStress(file, *fields.stress);
+  if (fields.plasticStrain != nullptr)
+    file.pointData("equivalent_plastic_strain", joined(*fields.plasticStrain));
   if (fields.contact != nullptr)
     writeContact(file, *fields.contact, fields.kinds);
   if (fields.cellStress != nullptr)

@@ -16,6 +16,7 @@ struct ResultFields {
   const feti::TornVector* displacement = nullptr;
   int components = 1;                                               ///< of the displacement at a node
   const std::vector<std::vector<fem::Voigt>>* stress = nullptr;     ///< null: none
+  const std::vector<std::vector<double>>* plasticStrain = nullptr;  ///< equivalent; null: none
   const std::vector<std::vector<fem::Voigt>>* cellStress = nullptr; ///< of cells; null: none
   const ContactFields* contact = nullptr;                           ///< null without contact
   ContactFieldKinds kinds;                                          ///< that this has
@@ -25,9 +26,10 @@ struct ResultFields {
 /// number of ranks.
 ///
 /// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
-/// von_mises; with contact also contact_pressure, gap, active_set; with friction also
-/// friction_traction, slip (vectors), friction_state; with adhesion also bound (1 where it acts), damage,
-/// jump, interface_traction (vectors). Cell data: subdomain, body, region, and on request cell_stress.
+/// von_mises; where materials yield equivalent_plastic_strain; with contact also contact_pressure, gap,
+/// active_set; with friction also friction_traction, slip (vectors), friction_state; with adhesion also bound
+/// (1 where it acts), damage, jump, interface_traction (vectors). Cell data: subdomain, body, region, and on
+/// request cell_stress.
 ///
 /// Arrays are made when they are written and then let go of: cells with their types and offsets, stresses
 /// with those of von Mises, all else one by one.

@@ -16,7 +16,7 @@ namespace {
 struct NodalShare {
   long long node;
   fem::Voigt weighted;
-  double size;
+  double size, state;
   std::array<int, 2> regions;
 };
 
@@ -31,7 +31,8 @@ void addCopies(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSub
       const long long number = owned[i].mesh.boundaryNumbers[k];
       const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
       sends[static_cast<std::size_t>(number) % ranks].push_back(
-          {number, sums[i].weighted[node], sums[i].size[node], sums[i].regions[node]});
+          {number, sums[i].weighted[node], sums[i].size[node],
+           sums[i].states.empty() ? 0.0 : sums[i].states[node], sums[i].regions[node]});
     }
   std::vector<std::vector<NodalShare>> received = exchangeItems(comm, sends);
   std::map<long long, NodalShare> total;
@@ -42,6 +43,7 @@ void addCopies(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSub
         continue;
       NodalShare& sum = place->second;
       sum.size += share.size;
+      sum.state += share.state;
       for (std::size_t r = 0; r < 6; ++r)
         sum.weighted[r] += share.weighted[r];
       sum.regions = {std::min(sum.regions[0], share.regions[0]), std::max(sum.regions[1], share.regions[1])};
@@ -58,6 +60,8 @@ void addCopies(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSub
       const auto node = static_cast<std::size_t>(owned[i].mesh.mesh->boundary[k]);
       sums[i].weighted[node] = share.weighted;
       sums[i].size[node] = share.size;
+      if (!sums[i].states.empty())
+        sums[i].states[node] = share.state;
       sums[i].regions[node] = share.regions;
     }
 }
@@ -71,7 +75,8 @@ struct Group {
 };
 
 std::vector<Group> groupsOf(const scene::Scene& scene, const std::vector<scene::OwnedSubdomain>& owned,
-                            const feti::TornVector& displacement, double time) {
+                            const feti::TornVector& displacement, double time,
+                            const MaterialStates& states = {}) {
   const std::vector<double> temperature = scene.temperatureRises(time);
   std::map<std::pair<const fem::Mesh*, int>, std::size_t> places;
   std::vector<Group> groups;
@@ -83,7 +88,7 @@ std::vector<Group> groupsOf(const scene::Scene& scene, const std::vector<scene::
     Group& group = groups[place->second];
     group.members.push_back(i);
     group.solutions.push_back({&displacement[i], temperature[static_cast<std::size_t>(owned[i].body)],
-                               scene.nodalRises(owned[i], time)});
+                               scene.nodalRises(owned[i], time), states.empty() ? nullptr : &states[i]});
   }
   return groups;
 }
@@ -105,28 +110,39 @@ std::vector<fem::StressSums> nodalStresses(const Teuchos::Comm<int>& comm, const
   });
   addCopies(comm, owned, sums);
   for (fem::StressSums& sum : sums)
-    for (std::size_t node = 0; node < sum.weighted.size(); ++node)
+    for (std::size_t node = 0; node < sum.weighted.size(); ++node) {
       for (double& entry : sum.weighted[node])
         entry /= sum.size[node];
+      if (!sum.states.empty())
+        sum.states[node] /= sum.size[node];
+    }
   return sums;
 }
 
 } // namespace
 
-std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
-                                                   const std::vector<scene::OwnedSubdomain>& owned,
-                                                   const feti::TornVector& displacement, double time) {
-  std::vector<std::vector<fem::Voigt>> result;
-  for (fem::StressSums& sum : nodalStresses(comm, scene, owned, groupsOf(scene, owned, displacement, time)))
-    result.push_back(std::move(sum.weighted));
+RecoveredStress recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                              const std::vector<scene::OwnedSubdomain>& owned,
+                              const feti::TornVector& displacement, double time,
+                              const MaterialStates& states) {
+  RecoveredStress result;
+  for (fem::StressSums& sum :
+       nodalStresses(comm, scene, owned, groupsOf(scene, owned, displacement, time, states))) {
+    if (scene.yields()) { // of bodies that do not it is zero
+      sum.states.resize(sum.weighted.size(), 0.0);
+      result.states.push_back(std::move(sum.states));
+    }
+    result.stress.push_back(std::move(sum.weighted));
+  }
   return result;
 }
 
 std::vector<std::vector<fem::Voigt>> cellStresses(const scene::Scene& scene,
                                                   const std::vector<scene::OwnedSubdomain>& owned,
-                                                  const feti::TornVector& displacement, double time) {
+                                                  const feti::TornVector& displacement, double time,
+                                                  const MaterialStates& states) {
   std::vector<std::vector<fem::Voigt>> result(owned.size());
-  for (const Group& group : groupsOf(scene, owned, displacement, time)) {
+  for (const Group& group : groupsOf(scene, owned, displacement, time, states)) {
     auto part = fem::cellStresses(*group.mesh, scene::elasticityOf(scene, *group.body), group.solutions);
     for (std::size_t k = 0; k < part.size(); ++k)
       result[group.members[k]] = std::move(part[k]);

@@ -6,22 +6,35 @@
 
 #include <Teuchos_Comm.hpp>
 
+#include "Harmos_MaterialStates.hpp"
+
 #include <vector>
 
 namespace Harmos::run {
 
-/// Stresses at the nodes of this rank's subdomains (see fem::stressSums()), averaged over all cells of the
-/// body around a node, across subdomains; not across bodies.
+/// States of the materials of each subdomain with its displacements; empty: none has any.
+using MaterialStates = std::vector<fem::MaterialStates>;
+
+/// At the nodes of this rank's subdomains.
+struct RecoveredStress {
+  std::vector<std::vector<fem::Voigt>> stress;
+  std::vector<std::vector<double>>
+      states; ///< fem::MaterialLaw::shownState(); empty where no material has any
+};
+/// See fem::stressSums(): averaged over all cells of the body around a node, across subdomains; not across
+/// bodies.
 /// @param time at which the scene's magnitudes count: of its temperatures.
 /// @note Collective.
-std::vector<std::vector<fem::Voigt>> recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
-                                                   const std::vector<scene::OwnedSubdomain>& owned,
-                                                   const feti::TornVector& displacement, double time);
+RecoveredStress recoverStress(const Teuchos::Comm<int>& comm, const scene::Scene& scene,
+                              const std::vector<scene::OwnedSubdomain>& owned,
+                              const feti::TornVector& displacement, double time,
+                              const MaterialStates& states = {});
 
 /// Mean stresses of the cells of this rank's subdomains, see fem::cellStresses(). Local.
 std::vector<std::vector<fem::Voigt>> cellStresses(const scene::Scene& scene,
                                                   const std::vector<scene::OwnedSubdomain>& owned,
-                                                  const feti::TornVector& displacement, double time);
+                                                  const feti::TornVector& displacement, double time,
+                                                  const MaterialStates& states = {});
 
 /// Estimates by the recovered stresses how far the finite element solution is from that of the continuous
 /// problem, in the energy norm √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|²; see fem::recoveryError().

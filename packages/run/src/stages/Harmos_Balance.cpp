@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace Harmos::run {
 
@@ -33,17 +34,31 @@ std::vector<scene::OwnedSubdomain> Balance::movedBy(const feti::TornVector& disp
   return result;
 }
 
-scene::ContactSetup Balance::contactAt(const feti::TornVector& displacement) const {
+// Searched on the deformed bodies; of small displacements as at rest.
+scene::ContactSetup Balance::contactOf(const feti::TornVector& displacement) const {
+  if (!context_.scene.isFinite()) {
+    scene::ContactSetup contact = atRest_;
+    bonds_.release(contact);
+    return contact;
+  }
   scene::EffectCosts costs(context_.scene); // those of the set-up are told
   const std::vector<scene::ContactSetup::Pairing> bound = bonds_.pairings();
-  scene::ContactSetup contact = scene::setUpMovedContact(
-      *context_.comm, context_.scene, {run_.owned(), &bound}, movedBy(displacement), costs);
+  return scene::setUpMovedContact(*context_.comm, context_.scene, {run_.owned(), &bound},
+                                  movedBy(displacement), costs);
+}
+
+scene::ContactSetup Balance::contactAt(const feti::TornVector& displacement) const {
+  scene::ContactSetup contact = contactOf(displacement);
   MovingBounds(context_.scene, contact).move(contact.rows, time_);
   const std::vector<double> now = bodies_.products(contact.rows, displacement),
                             begun = bodies_.products(contact.rows, *begun_);
+  std::set<std::size_t> isBound;
+  for (const scene::ContactSetup::Bond& bond : contact.bonds)
+    isBound.insert(bond.point);
   for (std::size_t k = 0; k < contact.rows.size(); ++k) {
     ConstraintRow& row = contact.rows[k];
-    if (row.kind == ConstraintRow::Kind::Equality)
+    if (row.kind == ConstraintRow::Kind::Equality ||
+        (row.kind == ConstraintRow::Kind::Inequality && isBound.count(k) == 0)) // zero of deformed bodies
       row.bound -= now[k];
     else if (row.kind == ConstraintRow::Kind::Limited) // slip since the step began
       row.bound -= now[k] - begun[k];
@@ -167,6 +182,8 @@ std::vector<std::vector<double>> Balance::reactions(const Answer& given) const {
 }
 
 std::string Balance::faultOf(const feti::TornVector& displacement) const {
+  if (!context_.scene.isFinite())
+    return {};
   try {
     return scene::faultOfMoved(*context_.comm, context_.scene, run_.owned(), movedBy(displacement));
   } catch (const InputError& error) {

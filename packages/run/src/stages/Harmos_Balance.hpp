@@ -26,12 +26,14 @@ class Balance {
       : context_(context),
         run_(run),
         bodies_(bodies),
+        atRest_(run.contact()),
         bonds_(*context.comm, run.owned(), run.contact(), bodies) {}
 
   /// @param locks which of the equations hold that are locked at a time; to outlive it.
   void follow(const Locks& locks) { locks_ = &locks; }
   /// What adhesion binds.
   MovedBonds& bonds() { return bonds_; }
+  long long bondCount() const { return bonds_.points().bondCount; }
 
   /// A step to a time begins. @param begun displacements there, since when points slip; to outlive the step.
   void begin(double time, const feti::TornVector& begun);
@@ -66,12 +68,14 @@ class Balance {
   std::string faultOf(const feti::TornVector& displacement) const;
 
  private:
+  scene::ContactSetup contactOf(const feti::TornVector& displacement) const;
   std::vector<scene::OwnedSubdomain> movedBy(const feti::TornVector& displacement) const;
   feti::TornVector rowForces(const feti::Constraints& constraints, const MultiVector& multiplier) const;
 
   RunContext context_;
   RunStages& run_;
   const DeformedBodies& bodies_;
+  scene::ContactSetup atRest_;
   MovedBonds bonds_;
   const Locks* locks_ = nullptr;
   double time_ = 0.0;

@@ -6,7 +6,6 @@
 #include "Harmos_LeastStiffness.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_Recovery.hpp"
-#include "Harmos_TornArchive.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -105,10 +104,37 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
   norm_.ofPlaces = weighed(places);
   norm_.largestPlace = largestOf(*context.comm, places);
   base_.displacement = committed_.displacement;
+  base_.isMade.assign(run.owned().size(), 0);
+  base_.yields = base_.isMade;
 }
 
-void EquilibriumLoop::rebase(const State& state) {
-  base_ = {state.displacement, bodies_.tangent(state.displacement, state.time), state.time, false};
+// @param which of the subdomains.
+void EquilibriumLoop::rebase(const State& state, const std::vector<char>& which) {
+  bodies_.makeTangent(state.displacement, state.time, &which, base_.tangent);
+  for (std::size_t i = 0; i < which.size(); ++i)
+    if (which[i] != 0) {
+      base_.displacement[i] = state.displacement[i];
+      base_.isMade[i] = 1;
+      base_.yields[i] = 0;
+    }
+  base_.time = state.time;
+}
+
+// Of all bodies at finite displacements, where it has become wrong; of those that yield, and of those that
+// did when theirs was made.
+void EquilibriumLoop::renewTangent(const DeformedBodies::Forces& forces) {
+  std::vector<char> which = forces.yields;
+  for (std::size_t i = 0; i < which.size(); ++i)
+    which[i] =
+        which[i] != 0 || base_.yields[i] != 0 || (progress_.isSlow && context_.scene.isFinite()) ? 1 : 0;
+  const bool yields =
+      globalMax(*context_.comm, std::count(forces.yields.begin(), forces.yields.end(), 1) > 0 ? 1LL : 0LL) >
+      0;
+  rebase(trial_, which);
+  base_.yields = forces.yields;
+  if (yields && !context_.scene.isFinite()) // Newton's own iterations, which nothing is left out of
+    mixing_.restart();
+  progress_.isSlow = false;
 }
 
 // Of the tangent, which turns with the bodies. With rows that are weighted by stiffness, dof by dof, or
@@ -122,6 +148,7 @@ std::vector<std::optional<feti::Frame>> EquilibriumLoop::frames() const {
 void EquilibriumLoop::begin(double from) {
   committed_.time = from;
   trial_ = committed_;
+  rebase(committed_, std::vector<char>(base_.yields)); // a restart has no other
   mixing_.restart();
   progress_ = {};
   progress_.tolerance = firstTolerance;
@@ -141,6 +168,8 @@ void EquilibriumLoop::goOn() {
 }
 
 void EquilibriumLoop::commit() {
+  bodies_.setStates(std::move(trial_.states));
+  trial_.states.clear();
   committed_ = trial_;
 }
 
@@ -164,16 +193,20 @@ double EquilibriumLoop::followingWork(double time, const feti::TornVector& answe
 }
 
 // ∫∂W/∂θ dθ: what energies would change by at the displacements that the step began and ended with, in the
-// mean. @param energy of the answer.
+// mean. @param energy of the answer, stored and dissipated.
 double EquilibriumLoop::thermalWork(const feti::TornVector& answer, double energy) const {
   if (!context_.scene.hasTemperatures(committed_.time) && !context_.scene.hasTemperatures(trial_.time))
     return 0.0;
-  return 0.5 * (bodies_.forces(committed_.displacement, trial_.time).energy -
-                bodies_.forces(committed_.displacement, committed_.time).energy + energy -
-                bodies_.forces(answer, committed_.time).energy);
+  const auto at = [this](const feti::TornVector& displacement, double time) {
+    const DeformedBodies::Forces forces = bodies_.forces(displacement, time);
+    return forces.energy + forces.dissipated;
+  };
+  return 0.5 * (at(committed_.displacement, trial_.time) - at(committed_.displacement, committed_.time) +
+                energy - at(answer, committed_.time));
 }
 
-void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
+void EquilibriumLoop::pose(double time, const DeformedBodies::Forces& forces) {
+  const feti::TornVector& internal = forces.internal;
   const Loads loads = balance_.loadsAt(trial_.displacement);
   const feti::SubdomainSystem& system = run_.pipeline().system();
   RunStages::Iterate iterate;
@@ -181,9 +214,7 @@ void EquilibriumLoop::pose(double time, const feti::TornVector& internal) {
   iterate.prescribed = run_.loads().prescribed(time);
   {
     const auto scope = context_.timers.scope("assembly");
-    if (progress_.isSlow)
-      rebase(trial_);
-    progress_.isSlow = false;
+    renewTangent(forces);
     iterate.tangent = base_.tangent;
     iterate.frames = frames();
     for (std::size_t i = 0; i < internal.size(); ++i) {
@@ -332,7 +363,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
                                                 const std::function<void()>& save) {
   const auto fail = [this](const Error& error) {
     failure_ = error.what();
-    rebase(committed_); // the tangent may be what was wrong
+    rebase(committed_, std::vector<char>(base_.isMade.size(), 1)); // the tangent may be what was wrong
     return Outcome::Failed;
   };
   try {
@@ -356,7 +387,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
   DeformedBodies::Forces forces = balance_.forcesAt(trial_.displacement);
   while (true) {
     ++iterations_;
-    pose(time, forces.internal);
+    pose(time, forces);
     Change change;
     if (const Outcome outcome = solveProblem(log, monitor, change); outcome != Outcome::Converged) {
       --iterations_;
@@ -404,9 +435,11 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
     return true;
   trial_.displacement = answer;
   trial_.energy = forces.energy;
+  trial_.dissipated = forces.dissipated;
+  trial_.states = bodies_.statesAfter(answer, time);
   trial_.forceSize = audited.forces;
-  work_ = followingWork(time, answer) + thermalWork(answer, forces.energy);
-  run_.take({change.torn, answer, loads, balance_.reactions(given), audited});
+  work_ = followingWork(time, answer) + thermalWork(answer, forces.energy + forces.dissipated);
+  run_.take({change.torn, answer, loads, balance_.reactions(given), audited, &trial_.states});
   trial_.slips.keep(run_.contact(), context_.report.contact);
   return true;
 }
@@ -456,7 +489,7 @@ std::optional<feti::TornVector> EquilibriumLoop::motionUnder(const feti::TornVec
 // Whether energy comes free along a motion that contacts allow: a sentence, or nothing.
 std::string EquilibriumLoop::instability(const feti::TornVector& answer, const Change& change, const Log& log,
                                          RunMonitor& monitor) {
-  if (!(progress_.scale > 0.0))
+  if (!(progress_.scale > 0.0) || !context_.scene.isFinite())
     return {};
   const feti::SolveReport before = context_.report;
   feti::TornVector force = norm_.weights; // to all sides, as hard as bodies are stiff
@@ -524,6 +557,33 @@ void EquilibriumLoop::tell(double merit) const {
                          : ""));
 }
 
+// Of materials.
+void EquilibriumLoop::exchangeStates(TornArchive& torn) {
+  DeformedBodies::States states = bodies_.states();
+  feti::TornVector numbers;
+  for (const fem::MaterialStates& of : states)
+    numbers.push_back(of.numbers);
+  torn.exchangeNumbers("states of materials", numbers);
+  for (std::size_t i = 0; i < states.size(); ++i)
+    states[i].numbers = numbers[i];
+  bodies_.setStates(std::move(states));
+}
+
+// Which tangents there are; reading, they are made.
+void EquilibriumLoop::exchangeBase(TornArchive& torn, bool isReading) {
+  feti::TornVector marks;
+  for (std::size_t i = 0; i < base_.isMade.size(); ++i)
+    marks.push_back({static_cast<double>(base_.isMade[i]), static_cast<double>(base_.yields[i])});
+  torn.exchangeNumbers("tangents made", marks);
+  if (!isReading)
+    return;
+  for (std::size_t i = 0; i < marks.size(); ++i) {
+    base_.isMade[i] = marks[i][0] != 0.0 ? 1 : 0;
+    base_.yields[i] = marks[i][1] != 0.0 ? 1 : 0;
+  }
+  bodies_.makeTangent(base_.displacement, base_.time, &base_.isMade, base_.tangent);
+}
+
 void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWithinStep) {
   TornArchive torn(archive, run_.pipeline().system());
   const feti::Constraints& constraints = *run_.pipeline().constraints();
@@ -533,16 +593,16 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.number("time committed", committed_.time);
   exchangeOfRanks(*context_.comm, archive, "motions", committed_.motions);
   archive.number("energy", committed_.energy);
+  archive.number("dissipated by materials", committed_.dissipated);
+  exchangeStates(torn);
   archive.number("size of forces", committed_.forceSize);
   bool follows = !committed_.following.empty();
   archive.number("loads follow", follows);
   if (follows)
     torn.exchange("following loads", committed_.following);
-  archive.number("tangent at rest", base_.isAtRest);
   archive.number("time of the tangent", base_.time);
   torn.exchange("displacement of the tangent", base_.displacement);
-  if (archive.isReading() && !base_.isAtRest)
-    base_.tangent = bodies_.tangent(base_.displacement, base_.time);
+  exchangeBase(torn, archive.isReading());
   if (!isWithinStep)
     return;
   archive.number("time of the iteration", trial_.time);

@@ -7,6 +7,7 @@
 #include "Harmos_DeformedBodies.hpp"
 #include "Harmos_PointSlips.hpp"
 #include "Harmos_RunStages.hpp"
+#include "Harmos_TornArchive.hpp"
 
 #include <functional>
 #include <optional>
@@ -14,15 +15,15 @@
 
 namespace Harmos::run {
 
-/// Equilibrium of bodies at finite displacements: Newton's iterations of a step, a sequence of quadratic
-/// programs
+/// Equilibrium of bodies at finite displacements, or of materials that yield: Newton's iterations of a step,
+/// a sequence of quadratic programs
 ///
 ///     du = argmin ½duᵀK̂du − (f − f_int(u))ᵀdu  over  B(u)du ≤ gap(u),   u ← u + du,
 ///
 /// with contacts searched anew on the deformed bodies in each. Forces f_int and gaps are exact, the tangent K̂
 /// is the material part (DeformedBodies), whose kernel is that of rigid motions of the deformed body:
 /// Anderson's acceleration makes up for what is missing in it, the stiffness by stresses and by turning
-/// normals.
+/// normals. Where bodies yield the tangent of their subdomains, and no other, is made anew in each iteration.
 ///
 /// The merit is ‖du‖_K̂, by which a body would still move (the natural level function: Deuflhard, Newton
 /// Methods for Nonlinear Problems, 2004, section 3.3). The step has converged where it is below the
@@ -50,6 +51,7 @@ class EquilibriumLoop {
 
   /// What adhesion binds, and its states are of.
   MovedBonds& bonds() { return balance_.bonds(); }
+  long long bondCount() const { return balance_.bondCount(); }
   /// Equations that are locked at a time; to outlive it.
   void follow(const Locks& locks) { balance_.follow(locks); }
   /// The step is to be solved once more, with other springs, from where it is.
@@ -60,6 +62,8 @@ class EquilibriumLoop {
   int iterations() const { return iterations_; }
   /// What loads that go with the bodies, and temperatures, have done in the step, by the trapezoidal rule.
   double furtherWork() const { return work_; }
+  /// By materials, since the run began.
+  double dissipated() const { return trial_.dissipated; }
 
  private:
   using Loads = Balance::Loads;
@@ -68,7 +72,7 @@ class EquilibriumLoop {
     feti::TornVector displacement;
     DeformedBodies::Tangent tangent;
     double time = 0.0;
-    bool isAtRest = true;
+    std::vector<char> isMade, yields; // of each subdomain: not as at rest; as it goes on yielding
   };
   // What u is in, or was.
   struct State {
@@ -77,7 +81,8 @@ class EquilibriumLoop {
     PointSlips slips;                 // since the run began
     feti::TornVector following = {};  // loads that go with the bodies; none without any
     std::vector<double> motions = {}; // of the coarse problem that was solved last
-    double time = 0.0, energy = 0.0, forceSize = 0.0;
+    double time = 0.0, energy = 0.0, dissipated = 0.0, forceSize = 0.0;
+    DeformedBodies::States states = {}; // of materials, of an answer
   };
   // How the merit came down.
   struct Progress {
@@ -96,7 +101,8 @@ class EquilibriumLoop {
   };
   Outcome iterate(double time, const Log& log, RunMonitor& monitor, const std::function<void()>& save);
   void blameFault(const feti::TornVector& displacement);
-  void pose(double time, const feti::TornVector& internal);
+  void pose(double time, const DeformedBodies::Forces& forces);
+  void renewTangent(const DeformedBodies::Forces& forces);
   Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);
   Outcome solveTo(const std::optional<feti::WarmStart>& start, const Log& log, RunMonitor& monitor,
                   Change& change);
@@ -113,11 +119,13 @@ class EquilibriumLoop {
                                               const Log& log, RunMonitor& monitor);
   feti::TornVector wholeStiffness(const feti::TornVector& answer, const feti::TornVector& motion,
                                   double share) const;
+  void exchangeStates(TornArchive& torn);
+  void exchangeBase(TornArchive& torn, bool isReading);
   double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
   double weighed(const feti::TornVector& values) const;
   double scaleOf(const feti::TornVector& answer, double energy) const;
   bool isStuck(double merit);
-  void rebase(const State& state);
+  void rebase(const State& state, const std::vector<char>& which);
   std::vector<std::optional<feti::Frame>> frames() const;
   void tell(double merit) const;
   void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);

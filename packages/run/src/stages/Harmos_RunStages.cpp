@@ -238,7 +238,7 @@ feti::DualOptions RunStages::dualOptions() const {
     }
   }
   // A restart makes the same factors as the run that goes on.
-  if (context_.scene.isFinite())
+  if (context_.scene.iterates())
     options.inverses.context =
         std::make_shared<feti::FactorizationContext>(feti::FactorizationContext::Likeness::First);
   // FU and what products say of it cancel to many digits.
@@ -567,6 +567,7 @@ void RunStages::take(Equilibrium equilibrium) {
   reactions_ = std::move(equilibrium.reactions);
   torn_ = {std::move(equilibrium.displacement), equilibrium.change.multiplier, {}};
   tellForces(torn_, &equilibrium.loads);
+  materials_ = *equilibrium.states;
 }
 
 void RunStages::tellResult() const {
@@ -624,14 +625,16 @@ void RunStages::writeFields(const std::string& file) {
   ResultFields fields;
   fields.displacement = &torn_.displacement;
   fields.components = context_.scene.components();
-  std::vector<std::vector<fem::Voigt>> stress, cellStress;
+  RecoveredStress recovered;
+  std::vector<std::vector<fem::Voigt>> cellStress;
   if (context_.options.writeStresses && isElastic()) {
-    stress = recoverStress(*context_.comm, context_.scene, owned_, torn_.displacement, time_);
-    fields.stress = &stress;
+    recovered = recoverStress(*context_.comm, context_.scene, owned_, torn_.displacement, time_, materials_);
+    fields.stress = &recovered.stress;
+    fields.plasticStrain = recovered.states.empty() ? nullptr : &recovered.states;
   }
   if (context_.options.cellFields == CellFields::Stress && isElastic()) {
     agree(*context_.comm,
-          [&] { cellStress = cellStresses(context_.scene, owned_, torn_.displacement, time_); });
+          [&] { cellStress = cellStresses(context_.scene, owned_, torn_.displacement, time_, materials_); });
     fields.cellStress = &cellStress;
   }
   ContactFields atNodes;

@@ -5,6 +5,7 @@
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_DeformedBodies.hpp"
 #include "Harmos_IncrementSolver.hpp"
+#include "Harmos_MovedBonds.hpp"
 #include "Harmos_RunContext.hpp"
 #include "Harmos_RunDirectory.hpp"
 #include "Harmos_RunMonitor.hpp"
@@ -73,8 +74,11 @@ class RunStages : private feti::PipelineObserver {
     std::vector<std::shared_ptr<const std::vector<double>>> loads;
     std::vector<std::vector<double>> reactions; ///< of prescribed values
     feti::KktAudit audit;
+    const DeformedBodies::States* states; ///< of materials
   };
   void take(Equilibrium equilibrium);
+  /// Contact states of what adhesion binds, or has bound, in that equilibrium.
+  void tellBonds(MovedBonds& bonds) { bonds.tell(contact_, context_.report.slips, context_.report.contact); }
   /// Solves from a start, or from the options' own (null). @param log for what is told of the solution.
   /// @param secondsSpent by solutions before, which the limit of the options counts too. @param tolerance
   /// fixed one in the place of the options'.
@@ -153,6 +157,7 @@ class RunStages : private feti::PipelineObserver {
   std::optional<feti::IncrementSolver> increments_;
   feti::TornSolution torn_;
   std::vector<std::vector<double>> reactions_; // of prescribed values
+  DeformedBodies::States materials_;           // their states, of those that have any
   std::vector<double> slipsBefore_;            // of limited rows, when the step began; none: zeros
   double time_;                                // of loads and bounds
 };

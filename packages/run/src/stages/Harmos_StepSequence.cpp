@@ -50,9 +50,9 @@ Solution StepSequence::go() {
 
 void StepSequence::begin() {
   run_.setUp();
-  if (context_.scene.isFinite())
+  if (context_.scene.iterates())
     equilibrium_.emplace(context_, run_);
-  // Of finite displacements points of contact change, and their slips are the loop's.
+  // Where the loop finds equilibrium slips are its own, and points of contact may change.
   states_.emplace(*context_.comm, context_.scene,
                   equilibrium_ ? equilibrium_->bonds().points() : run_.contact());
   if (equilibrium_)
@@ -63,7 +63,7 @@ void StepSequence::begin() {
     equilibrium_->follow(bounds_->locks);
   energy_.emplace(run_.loads().cases(),
                   run_.contact().limitedRows > 0 ||
-                      (context_.scene.isFinite() && context_.scene.hasInterfaceLaws()),
+                      (context_.scene.iterates() && context_.scene.hasInterfaceLaws()),
                   context_.scene.breaks());
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
@@ -264,10 +264,11 @@ StepSequence::Outcome StepSequence::accept() {
   bounds_->moving.addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
   energy_->reach({run_.loads().factors(clock_.to()), products, context_.report.audit.energy,
                   scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
-                  context_.report.audit.frictionWork, states_->dissipated(),
+                  context_.report.audit.frictionWork,
+                  states_->dissipated() + (equilibrium_ ? equilibrium_->dissipated() : 0.0),
                   equilibrium_ ? equilibrium_->furtherWork() : 0.0});
   if (equilibrium_)
-    equilibrium_->bonds().tell(run_.contact(), context_.report.slips, context_.report.contact);
+    run_.tellBonds(equilibrium_->bonds());
   else
     states_->tell(context_.report.slips, context_.report.contact);
   context_.report.contactCounts = countContact(*context_.comm, context_.report.contact);
@@ -343,7 +344,8 @@ void StepSequence::tell(const StepRow& row, double snapped) const {
     text << ", " << row.closed << " of " << row.closed + row.open << " contact points closed";
   if (row.sticking + row.slipping > 0)
     text << ", " << row.slipping << " of " << row.sticking + row.slipping << " slipping";
-  if (const long long bound = run_.contact().bondCount; bound > 0) {
+  if (const long long bound = equilibrium_ ? equilibrium_->bondCount() : run_.contact().bondCount;
+      bound > 0) {
     text << ", " << context_.report.contactCounts.damaged << " of " << bound << " bonds damaged, "
          << row.broken << " broken";
     constexpr double known = 10.0; // tolerances of forces

@@ -74,7 +74,7 @@ std::vector<std::string> furtherColumns(const scene::Scene& scene) {
     columns.push_back("history/" + name);
   for (const scene::Measure& measure : scene.measures)
     columns.push_back(measure.name);
-  if (scene.isFinite())
+  if (scene.iterates())
     columns.insert(columns.end(), {"newton", "factorisations"});
   return columns;
 }
@@ -86,7 +86,7 @@ void tellFurther(const scene::Scene& scene, StepRow& row) {
     row.further.emplace_back(columns[row.further.size()], scene.timeline.factor(name, row.time));
   for (const scene::Measure& measure : scene.measures)
     row.further.emplace_back(measure.name, measure.scale * valueOf(scene, measure, row));
-  if (scene.isFinite()) {
+  if (scene.iterates()) {
     row.further.emplace_back("newton", static_cast<double>(row.newton));
     row.further.emplace_back("factorisations", static_cast<double>(row.factorisations));
   }

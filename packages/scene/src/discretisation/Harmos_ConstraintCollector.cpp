@@ -100,16 +100,19 @@ void ConstraintCollector::keepPairings(const std::vector<Part>& surfaces,
     return;
   const contact::Surface sides =
       contact::splitAtEdges(surface(surfaces.front().first, surfaces.front().second));
-  std::map<long long, int> sidesBefore;
+  // Smooth sides of a node that meet at an edge no more are one: what was bound to each stays so.
+  std::map<long long, std::vector<std::size_t>> sidesOf;
   for (std::size_t k = 0; k < sides.numbers.size(); ++k)
-    if (const auto found = missing.find({sides.numbers[k], sidesBefore[sides.numbers[k]]++});
-        found != missing.end()) {
-      points.push_back(*found->second);
-      points.back().position = sides.positions[k];
-      points.back().normal = sides.normals[k];
-      points.back().pressure.clear();
-      points.back().beside.clear();
-    }
+    sidesOf[sides.numbers[k]].push_back(k);
+  for (const auto& [key, point] : missing) {
+    const std::vector<std::size_t>& its = sidesOf.at(key.first);
+    const std::size_t k = its[std::min(static_cast<std::size_t>(key.second), its.size() - 1)];
+    points.push_back(*point);
+    points.back().position = sides.positions[k];
+    points.back().normal = sides.normals[k];
+    points.back().pressure.clear();
+    points.back().beside.clear();
+  }
 }
 
 // Whether friction or adhesion has asked for rows along the surfaces of a contact.
@@ -192,7 +195,7 @@ void ConstraintCollector::findHeldDofs() {
   std::vector<long long> asked;
   agree(comm_, [&] {
     for (const Part& part : heldParts_) {
-      for (const OwnedSubdomain* item : partsOfAsked().withNodes(part)) {
+      for (const OwnedSubdomain* item : partsAtRest().withNodes(part)) {
         const std::vector<int>& nodes = item->mesh.sets.at(part.second);
         long long time = 0;
         for (const auto& timed : held_) {
@@ -453,6 +456,19 @@ void ConstraintCollector::soften(ContactSetup& setup) const {
   }
 }
 
+// Where both sides of deformed bodies are held a row says what solves are accurate to, and has no force; the
+// audit sees what is wrong with it.
+void ConstraintCollector::loosenHeldRows(ContactSetup& setup, double extent) const {
+  if (!places_.atRest || held_.empty())
+    return;
+  const contact::HeldDofs& held = held_.begin()->second;
+  constexpr double loose = 1e-3;
+  for (ConstraintRow& row : setup.rows)
+    if (std::all_of(row.terms.begin(), row.terms.end(),
+                    [&](const ConstraintRow::Term& term) { return held.count(term.dof) > 0; }))
+      row.rounding = loose * extent;
+}
+
 // The points of ties are not kept.
 void ConstraintCollector::addTieRows(ContactSetup& setup) {
   const std::vector<ContactPoint>& points = ties_.all();
@@ -560,6 +576,21 @@ std::vector<ConstraintCollector::Node> ConstraintCollector::allNodesAtRest(int b
   return allNodesIn(comm_, partsAtRest(), {body, set});
 }
 
+bool ConstraintCollector::isHeldAnywhere(int body, const std::string& set, int component) {
+  long long found = 0;
+  agree(comm_, [&] {
+    for (const OwnedSubdomain* item : partsAtRest().withNodes({body, set})) {
+      const std::vector<int>& nodes = item->mesh.sets.at(set);
+      for (const auto& timed : held_)
+        for (const feti::FixedDof& fixed : effects_.prescribed(*item, timed.first))
+          if (fixed.dof % scene_.components() == component &&
+              std::binary_search(nodes.begin(), nodes.end(), fixed.dof / scene_.components()))
+            found = 1;
+    }
+  });
+  return globalMax(comm_, found) > 0;
+}
+
 // On rank 0, behind the ties, and behind the slips.
 void ConstraintCollector::addEquationRows(ContactSetup& setup) {
   const std::vector<EquationRows::Row> rows = equations_.rows(scene_, held_);
@@ -645,6 +676,7 @@ ContactSetup ConstraintCollector::finish() {
   result.points = contacts_.all();
   addSlipRows(result, extent);
   soften(result);
+  loosenHeldRows(result, extent);
   addTieRows(result);
   addEquationRows(result);
   count(result);

@@ -107,6 +107,7 @@ class ConstraintCollector {
 
   /// Whether nodes have one dof, and normals play no part.
   bool isScalar() const { return scene_.components() == 1; }
+  bool isAroundAxis() const { return scene_.physics == Physics::Axisymmetric; }
   /// Whether bodies are at finite displacements, or will be.
   bool isOfFinite() const { return scene_.isFinite(); }
   /// Whether surfaces are those of deformed bodies, which may be apart for a while; those of ties are not.
@@ -161,6 +162,8 @@ class ConstraintCollector {
   std::vector<Node> allNodesOf(int body, const std::string& set);
   /// The same of the bodies at rest. @note Collective.
   std::vector<Node> allNodesAtRest(int body, const std::string& set) const;
+  /// Whether a component is prescribed at any node of a part, at any time. @note Collective.
+  bool isHeldAnywhere(int body, const std::string& set, int component);
 
   using Equation = EquationRows::Equation;
   /// An equality row Σ coefficient · displacement = value. Where all of its dofs are prescribed it is left
@@ -223,6 +226,7 @@ class ConstraintCollector {
   void addSlipRows(ContactSetup& setup, double extent);
   void count(ContactSetup& setup) const;
   void soften(ContactSetup& setup) const;
+  void loosenHeldRows(ContactSetup& setup, double extent) const;
   void addTieRows(ContactSetup& setup);
   void addEquationRows(ContactSetup& setup);
   void findHeldDofs();

@@ -148,7 +148,7 @@ void TimedLoads::requireConsistent() const {
 
 double freeStrainEnergy(const Teuchos::Comm<int>& comm, const Scene& scene,
                         const std::vector<OwnedSubdomain>& owned, double time) {
-  if (scene.isFinite()) // there it is part of the energy
+  if (scene.iterates()) // there it is part of the energy
     return 0.0;
   const std::vector<double> rises = scene.temperatureRises(time);
   std::map<std::pair<const fem::Mesh*, int>, double> known; // of one degree

@@ -195,6 +195,13 @@ bool Scene::hasInterfaceLaws() const {
                      [](const auto& effect) { return effect->interfaceLaw() != nullptr; });
 }
 
+bool Scene::yields() const {
+  return std::any_of(bodies.begin(), bodies.end(), [](const Body& body) {
+    return std::any_of(body.materials.begin(), body.materials.end(),
+                       [](const fem::Material& material) { return material.plasticity.has_value(); });
+  });
+}
+
 fem::Elasticity elasticityOf(const Scene& scene, const Body& body) {
   return {kinematicsOf(scene.physics), body.dilatation, body.materials, body.integration, scene.strains};
 }

@@ -87,8 +87,12 @@ struct Scene {
   bool hasInterfaceLaws() const;
   /// Whether displacements are of any size: equilibrium and contact are those of the deformed bodies.
   bool isFinite() const { return strains == fem::Strains::Finite; }
+  /// Whether any material yields.
+  bool yields() const;
+  /// Whether equilibrium is found by Newton's iterations.
+  bool iterates() const { return isFinite() || yields(); }
   /// Whether it is solved step by step.
-  bool goesInSteps() const { return timeline.hasSteps() || breaks() || isFinite(); }
+  bool goesInSteps() const { return timeline.hasSteps() || breaks() || iterates(); }
   /// A body that no effect holds, but for inequalities, floats.
   bool hasFloatingBody() const;
   /// Whether stiffnesses differ from body to body or region to region.

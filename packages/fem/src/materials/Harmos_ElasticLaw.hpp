@@ -1,19 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "Harmos_Elasticity.hpp"
-
-#include <vector>
+#include "Harmos_MaterialLaw.hpp"
 
 namespace Harmos::fem {
-
-/// What a material answers to a strain at a point.
-struct ElasticResponse {
-  double energy = 0.0;   ///< W, per volume of the body at rest
-  Voigt stress{};        ///< S = ∂W/∂E, second Piola–Kirchhoff
-  VoigtMatrix tangent{}; ///< ∂S/∂E, symmetric
-  double across = 0.0;   ///< E_zz: as given, or in plane stress the one without stress
-};
 
 /// The stress of an elastic material at finite strains, W(E) of Green's strain E = ½(FᵀF − I) (Bonet, Wood:
 /// Nonlinear Continuum Mechanics for Finite Element Analysis, 2008, chapter 6):
@@ -25,25 +15,32 @@ struct ElasticResponse {
 /// F = F_e F_θ the energy is det F_θ W(E_e), E_e = F_θ⁻¹(E − ½(F_θ² − I))F_θ⁻¹ (Lubarda: Constitutive
 /// theories based on the multiplicative decomposition of deformation gradient, Appl. Mech. Rev. 57, 2004).
 ///
-/// Both have the stiffness of Material at E = 0. Strains and stresses as in Voigt: shear strains are twice
-/// the tensor's. The first compresses without end under finite pressure: it is one of small strains.
+/// Of small strains both are σ = C(ε − ε_θ). Both have the stiffness of Material at E = 0. Strains and
+/// stresses as in Voigt: shear strains are twice the tensor's. The first compresses without end under finite
+/// pressure: it is one of small strains.
 ///
 /// Guarded by tests/unit/fem/test_finite_elasticity.cpp.
-class ElasticLaw {
+class ElasticLaw : public MaterialLaw {
  public:
-  ElasticLaw(const Material& material, Kinematics kinematics);
+  ElasticLaw(const Material& material, Kinematics kinematics, Strains strains = Strains::Finite);
 
   /// @param strain E; in plane stress without use of its entry zz. @param rise of the temperature.
   /// @return an energy that is no number where C, or the free expansion, is not positive definite. Local.
-  ElasticResponse at(const Voigt& strain, double rise = 0.0) const;
+  MaterialResponse at(const Voigt& strain, double rise = 0.0) const;
+  MaterialResponse at(const Voigt& strain, double rise, const double* /*before*/,
+                      double* /*after*/) const override {
+    return at(strain, rise);
+  }
 
  private:
-  ElasticResponse withoutRise(const Voigt& strain) const;
-  ElasticResponse linear(const Voigt& strain) const;
-  ElasticResponse neoHookean(const Voigt& strain) const;
+  MaterialResponse withoutRise(const Voigt& strain) const;
+  MaterialResponse small(const Voigt& strain, double rise) const;
+  MaterialResponse linear(const Voigt& strain) const;
+  MaterialResponse neoHookean(const Voigt& strain) const;
   double stretchWithoutStress(const Voigt& strain) const;
 
   Kinematics kinematics_;
+  Strains strains_;
   Material::Law law_;
   VoigtMatrix stiffness_; // of the kinematics
   Voigt acrossBy_{};      // E_zz by the other strains, plane stress
@@ -58,11 +55,6 @@ class ElasticLaw {
 ///     δE:∂S/∂E:δE + tr(dτd) = δE:(∂S/∂E + H):δE,   δE:H:δE = tr(δE S δE C⁻¹),
 ///
 /// where it is positive definite; else ∂S/∂E. @param strain that the response is to.
-VoigtMatrix strainTangent(const ElasticResponse& response, const Voigt& strain, Kinematics kinematics);
-
-/// Of each region.
-std::vector<ElasticLaw> elasticLaws(const Elasticity& elasticity);
-/// @throws InternalError if the region has no material.
-const ElasticLaw& elasticLawOf(const std::vector<ElasticLaw>& all, int region);
+VoigtMatrix strainTangent(const MaterialResponse& response, const Voigt& strain, Kinematics kinematics);
 
 } // namespace Harmos::fem

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_ElasticLaw.hpp"
 
-#include "Harmos_Errors.hpp"
 #include "Harmos_Tensors.hpp"
 
 #include <algorithm>
@@ -46,8 +45,9 @@ double beyondLogarithm(double x) {
 
 } // namespace
 
-ElasticLaw::ElasticLaw(const Material& material, Kinematics kinematics)
+ElasticLaw::ElasticLaw(const Material& material, Kinematics kinematics, Strains strains)
     : kinematics_(kinematics),
+      strains_(strains),
       law_(material.law),
       stiffness_(material.stiffness(kinematics)),
       lambda_(material.young[0] * material.poisson[0] /
@@ -61,7 +61,19 @@ ElasticLaw::ElasticLaw(const Material& material, Kinematics kinematics)
     acrossBy_[r] = -whole[2][r] / whole[2][2];
 }
 
-ElasticResponse ElasticLaw::at(const Voigt& strain, double rise) const {
+// In plane stress the entry across is of no use, and none.
+MaterialResponse ElasticLaw::small(const Voigt& strain, double rise) const {
+  Voigt elastic;
+  for (std::size_t r = 0; r < 6; ++r)
+    elastic[r] = strain[r] - rise * expansion_[r];
+  MaterialResponse response = linear(elastic);
+  response.across = strain[2];
+  return response;
+}
+
+MaterialResponse ElasticLaw::at(const Voigt& strain, double rise) const {
+  if (strains_ == Strains::Small)
+    return small(strain, rise);
   if (rise == 0.0)
     return withoutRise(strain);
   Tensor free{}; // F_θ
@@ -71,7 +83,7 @@ ElasticResponse ElasticLaw::at(const Voigt& strain, double rise) const {
   }
   const double volume = determinant(free);
   if (!(volume > 0.0)) {
-    ElasticResponse nothing;
+    MaterialResponse nothing;
     nothing.energy = std::numeric_limits<double>::quiet_NaN();
     return nothing;
   }
@@ -92,8 +104,8 @@ ElasticResponse ElasticLaw::at(const Voigt& strain, double rise) const {
   for (std::size_t r = 0; r < 6; ++r)
     for (std::size_t s = 0; s < 6; ++s)
       elastic[r] += turning[r][s] * (strain[s] - freely[s]);
-  const ElasticResponse held = withoutRise(elastic);
-  ElasticResponse response;
+  const MaterialResponse held = withoutRise(elastic);
+  MaterialResponse response;
   response.energy = volume * held.energy;
   response.across =
       kinematics_ == Kinematics::PlaneStress ? freely[2] + square[2][2] * held.across : strain[2];
@@ -107,12 +119,12 @@ ElasticResponse ElasticLaw::at(const Voigt& strain, double rise) const {
   return response;
 }
 
-ElasticResponse ElasticLaw::withoutRise(const Voigt& strain) const {
+MaterialResponse ElasticLaw::withoutRise(const Voigt& strain) const {
   return law_ == Material::Law::NeoHookean ? neoHookean(strain) : linear(strain);
 }
 
-ElasticResponse ElasticLaw::linear(const Voigt& strain) const {
-  ElasticResponse response;
+MaterialResponse ElasticLaw::linear(const Voigt& strain) const {
+  MaterialResponse response;
   response.tangent = stiffness_;
   for (std::size_t r = 0; r < 6; ++r) {
     for (std::size_t s = 0; s < 6; ++s)
@@ -144,8 +156,8 @@ double ElasticLaw::stretchWithoutStress(const Voigt& strain) const {
   return c;
 }
 
-ElasticResponse ElasticLaw::neoHookean(const Voigt& given) const {
-  ElasticResponse response;
+MaterialResponse ElasticLaw::neoHookean(const Voigt& given) const {
+  MaterialResponse response;
   Voigt strain = given;
   const bool isPlaneStress = kinematics_ == Kinematics::PlaneStress;
   if (isPlaneStress)
@@ -210,7 +222,7 @@ bool isPositiveDefinite(VoigtMatrix c) {
 
 } // namespace
 
-VoigtMatrix strainTangent(const ElasticResponse& response, const Voigt& strain, Kinematics kinematics) {
+VoigtMatrix strainTangent(const MaterialResponse& response, const Voigt& strain, Kinematics kinematics) {
   const Tensor c = rightCauchyGreen(strain);
   const Tensor inverse = inverseTransposed(c, determinant(c));
   Tensor stress{};
@@ -234,18 +246,6 @@ VoigtMatrix strainTangent(const ElasticResponse& response, const Voigt& strain, 
           result[r][s] += 0.5 * (basis[r][i][k] * turned[s][k][i] + basis[s][i][k] * turned[r][k][i]);
     }
   return isPositiveDefinite(result) ? result : response.tangent;
-}
-
-std::vector<ElasticLaw> elasticLaws(const Elasticity& elasticity) {
-  std::vector<ElasticLaw> laws;
-  for (const Material& material : elasticity.materials)
-    laws.emplace_back(material, elasticity.kinematics);
-  return laws;
-}
-
-const ElasticLaw& elasticLawOf(const std::vector<ElasticLaw>& all, int region) {
-  HARMOS_REQUIRE(region >= 0 && region < static_cast<int>(all.size()), "a region has no material");
-  return all[static_cast<std::size_t>(region)];
 }
 
 } // namespace Harmos::fem

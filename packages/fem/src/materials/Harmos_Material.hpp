@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace Harmos::fem {
 
@@ -18,6 +19,16 @@ enum class Kinematics {
 /// Stresses and strains in the order of VTK: xx, yy, zz, xy, yz, xz; shear strains are twice the tensor's.
 using Voigt = std::array<double, 6>;
 using VoigtMatrix = std::array<Voigt, 6>;
+
+/// Von Mises' plasticity of an isotropic material, see PlasticLaw.
+struct Plasticity {
+  double yieldStress = 0.0; ///< above 0
+  double isotropic = 0.0,
+         kinematic = 0.0; ///< moduli: of the yield stress, and of the back stress, over e; 0: none
+  /// Equivalent plastic strains, rising from 0, and the yield stresses there, not falling, in the place of
+  /// the yield stress and the isotropic modulus.
+  std::optional<std::array<std::vector<double>, 2>> curve = std::nullopt;
+};
 
 /// A linear elastic orthotropic material, its axes turned about z by an angle, or anywhere; or an anisotropic
 /// one.
@@ -38,6 +49,7 @@ struct Material {
   /// C in the material's axes, of an anisotropic material: see anisotropic().
   std::optional<VoigtMatrix> coupled = std::nullopt;
   Law law = Law::Linear; ///< neo-Hookean: of isotropic materials
+  std::optional<Plasticity> plasticity = std::nullopt;
 
   static Material isotropic(double young, double poisson);
   /// @param stiffness C, symmetric. Moduli and Poisson's ratios are those of its inverse.

@@ -136,6 +136,31 @@ Material Material::isotropic(double young, double poisson) {
   return material;
 }
 
+namespace {
+
+std::string faultOf(const Plasticity& plasticity) {
+  if (!plasticity.curve)
+    return !(plasticity.yieldStress > 0.0) || !std::isfinite(plasticity.yieldStress)
+               ? "the yield stress is " + scientific(plasticity.yieldStress, 6) +
+                     "; it must be positive and finite"
+               : std::string();
+  const auto& [strains, stresses] = *plasticity.curve;
+  if (strains.size() != stresses.size() || strains.empty())
+    return "its curve has " + std::to_string(strains.size()) + " plastic strains and " +
+           std::to_string(stresses.size()) + " stresses; give as many of both";
+  if (strains.front() != 0.0 || !(stresses.front() > 0.0))
+    return "its curve begins at the plastic strain " + scientific(strains.front(), 6) + " and the stress " +
+           scientific(stresses.front(), 6) + "; begin at 0 with the yield stress, which is positive";
+  for (std::size_t k = 1; k < strains.size(); ++k)
+    if (!(strains[k] > strains[k - 1]) || !(stresses[k] >= stresses[k - 1]))
+      return "its curve does not go on from " + scientific(strains[k - 1], 6) + " to " +
+             scientific(strains[k], 6) +
+             "; plastic strains must rise, and stresses not fall: softening has no unique answer";
+  return {};
+}
+
+} // namespace
+
 void Material::check(const std::string& name) const {
   const auto fail = [&](const std::string& what, double value, const std::string& allowed) {
     throw InputError("material \"" + name + "\": " + what + " is " + scientific(value, 6) + "; " + allowed,
@@ -158,6 +183,18 @@ void Material::check(const std::string& name) const {
   for (std::size_t k = 0; k < 3; ++k)
     if (!(shear[k] > 0.0) || !std::isfinite(shear[k]))
       fail(std::string("shear modulus ") + pairs[k], shear[k], "it must be positive and finite");
+  if (plasticity) {
+    std::string fault = faultOf(*plasticity);
+    if (fault.empty() && (!(plasticity->isotropic >= 0.0) || !(plasticity->kinematic >= 0.0)))
+      fault = "a hardening modulus is negative: softening has no unique answer";
+    if (fault.empty() &&
+        (law == Law::NeoHookean || axes || coupled || young[0] != young[1] || young[0] != young[2] ||
+         expansion[0] != expansion[1] || expansion[0] != expansion[2]))
+      fault = "plasticity is of isotropic materials that expand alike in all directions; use \"Type\" = "
+              "\"isotropic\"";
+    if (!fault.empty())
+      throw InputError("material \"" + name + "\": " + fault, {{"material", name}});
+  }
   // Leading minors of the compliance, made free of units.
   const auto s = normalCompliance(*this);
   const double minor = 1.0 - s[0][1] * s[0][1] / (s[0][0] * s[1][1]);
