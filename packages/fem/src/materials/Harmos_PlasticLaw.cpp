@@ -51,7 +51,8 @@ PlasticLaw::Return PlasticLaw::returned(const Voigt& trial, const Voigt& kinemat
   const double size = normOf(apart);
   double theta = 1.0, thetaAlong = 0.0;
   result.equivalent = equivalent;
-  if (size > root * curve_.stress(equivalent)) {
+  constexpr double beyond = 1.0 + 1e-10; // rounding errors of a state that a step has ended with
+  if (size > beyond * root * curve_.stress(equivalent)) {
     const HardeningCurve::Flow flow = curve_.flow(equivalent, size, 2.0 * shear_ + 2.0 * third * kinematic_);
     result.yields = true;
     result.equivalent += root * flow.amount;
