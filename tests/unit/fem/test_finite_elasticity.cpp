@@ -91,6 +91,7 @@ struct Case {
     result.kinematics = kinematics;
     result.dilatation = dilatation;
     result.materials = {material};
+    result.strains = fem::Strains::Finite;
     return result;
   }
 };

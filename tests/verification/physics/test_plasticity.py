@@ -80,14 +80,14 @@ class Hill(unittest.TestCase):
 
     def compare(self, pressure, outside, physics, front):
         """Displacement of the outer surface, and up to where it yields."""
-        errors, cells = [], (4, 8, 16, 32)
+        errors, cells = [], (4, 6, 8, 16)
         for n in cells:
             run = runs.solved(self, deck(self.tree(ring(n), pressure, physics)), np=2, program="harmos")
             radius, moved = self.radial(run.directory)
             errors.append(np.abs(moved[np.abs(radius - OUTER) < 1e-9] / outside - 1.0).max())
             _, plastic, _ = field(run.directory, "equivalent_plastic_strain")
             self.assertLess(abs(radius[plastic > 1e-8].max() - front), 1.01 * (OUTER - INNER) / n)
-        self.assertLess(errors[-1], 0.002)
+        self.assertLess(errors[-1], 0.005)
         rate = -fitted(cells, errors)
         self.assertTrue(1.5 < rate < 2.5, (errors, rate))
 
@@ -114,17 +114,17 @@ class Hill(unittest.TestCase):
         k = YIELD / math.sqrt(3.0)
         pressure = k * (1.0 - (FRONT / OUTER) ** 2 + 2.0 * math.log(FRONT / INNER))
         gaps = []
-        for steps in (4, 8, 16, 32):
+        for steps in (4, 8, 12, 16):
             times = [2.0 * (i + 1) / steps for i in range(steps)]
             values = [min(t, 2.0 - t) for t in times]
             run = runs.solved(
-                self, deck(self.tree(ring(16, 2), pressure, times=times, values=values)), np=2, program="harmos"
+                self, deck(self.tree(ring(10, 2), pressure, times=times, values=values)), np=2, program="harmos"
             )
             rows = steps_of(run.directory)
             self.assertEqual(rows[-1]["dissipated"], rows[steps // 2]["dissipated"])
             gaps.append(abs(rows[-1]["external_work"] - rows[-1]["energy"] - rows[-1]["dissipated"]) / rows[-1]["dissipated"])
-        self.assertLess(gaps[-1], 5e-3)
-        self.assertTrue(1.5 < -fitted((4, 8, 16, 32), gaps) < 2.6, gaps)
+        self.assertLess(gaps[-1], 0.02)
+        self.assertTrue(1.5 < -fitted((4, 8, 12, 16), gaps) < 2.6, gaps)
         x, stress, _ = field(run.directory, "stress")
         at = np.linalg.norm(x - [INNER, 0.0, 0.0], axis=1) < 1e-9
         hoop = 2.0 * k - pressure - pressure * (OUTER**2 + INNER**2) / (OUTER**2 - INNER**2)

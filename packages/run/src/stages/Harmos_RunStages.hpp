@@ -88,8 +88,6 @@ class RunStages : private feti::PipelineObserver {
   void recover();
   /// The fields, to a file of the output directory.
   void writeFields(const std::string& file);
-  /// Of what is written, while it lives.
-  StageTimers::Scope outputScope() const { return context_.timers.scope("output"); }
   /// What the log says of the last solution.
   void tellResult() const;
   /// Counts numerical factorisations so far into the report.

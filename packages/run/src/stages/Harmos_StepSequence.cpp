@@ -258,7 +258,7 @@ StepSequence::Outcome StepSequence::solve() {
 }
 
 StepSequence::Outcome StepSequence::accept() {
-  const auto scope = run_.outputScope();
+  const auto scope = context_.timers.scope("output");
   scene::TimedLoads::Products products =
       run_.loads().products(*context_.comm, run_.torn().displacement, run_.reactions());
   bounds_->moving.addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
