@@ -57,7 +57,19 @@ class Materials:
             values.update(self.axes_of_material(section))
         if material.expansion:
             values["Thermal expansion"] = list(material.expansion)
+        if material.plastic:
+            if kind != "ISOTROPIC" or uneven:
+                raise ValueError(f"{material.plastic['place']}: *PLASTIC is for isotropic materials alone")
+            values["Plasticity"] = self.plasticity(material.plastic)
         return values
+
+    @staticmethod
+    def plasticity(plastic):
+        strains, stresses = ([float(point[k]) for point in plastic["points"]] for k in range(2))
+        if plastic["kind"] == "ISOTROPIC":
+            return {"Plastic strains": strains, "Stresses": stresses}
+        slope = (stresses[-1] - stresses[0]) / (strains[-1] - strains[0]) if len(strains) > 1 else 0.0
+        return {"Yield stress": stresses[0], "Kinematic hardening": slope}
 
     def engineering(self, kind, numbers):
         if kind == "ENGINEERING CONSTANTS":

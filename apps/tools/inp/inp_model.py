@@ -103,6 +103,7 @@ class Material:
     elastic: dict = None
     expansion: tuple = None
     density: float = None
+    plastic: dict = None
 
 
 @dataclass
@@ -222,6 +223,7 @@ OPTIONS = {
     "MATERIAL": "NAME",
     "ELASTIC": "TYPE",
     "EXPANSION": "TYPE ZERO",
+    "PLASTIC": "HARDENING",
     "DENSITY": "",
     "SOLIDSECTION": "ELSET MATERIAL ORIENTATION OFFSET",  # OFFSET: of shells
     "ORIENTATION": "NAME SYSTEM DEFINITION",
@@ -394,7 +396,7 @@ class Reader:
             raise ValueError(f"{keyword.place}: *{keyword.name} before the first *MATERIAL")
         if not keyword.rows:
             raise ValueError(f"{keyword.place}: *{keyword.name} without a line of data")
-        if len({row.text(len(row.texts) - 1) for row in keyword.rows}) > 1 and keyword.name != "ELASTIC":
+        if len({row.text(len(row.texts) - 1) for row in keyword.rows}) > 1 and keyword.name not in ("ELASTIC", "PLASTIC"):
             raise ValueError(f"{keyword.place}: *{keyword.name} that depends on temperature is not supported")
         return self.material
 
@@ -424,6 +426,20 @@ class Reader:
             )
         material.expansion = tuple(row.number(k if kind == "ORTHO" else 0) for k in range(3))
         number_of(keyword.option("ZERO") or "0", keyword.place)  # of no effect where expansion is constant
+
+    def take_plastic(self, keyword):
+        material = self._of_material(keyword)
+        kind = keyword.option("HARDENING", "ISOTROPIC")
+        temperatures = {row.text(2) for row in keyword.rows}
+        if kind not in ("ISOTROPIC", "KINEMATIC") or len(temperatures) > 1:
+            raise ValueError(
+                f"{keyword.place}: *PLASTIC that is no curve of isotropic or linear kinematic hardening, or depends on "
+                "temperature, is not supported"
+            )
+        points = [(row.number(1, 0.0), row.number(0)) for row in keyword.rows]
+        if kind == "KINEMATIC" and len(points) > 2:
+            raise ValueError(f"{keyword.place}: kinematic hardening by more than two points is not supported")
+        material.plastic = {"kind": kind, "points": points, "place": keyword.place}
 
     def take_density(self, keyword):
         material = self._of_material(keyword)

@@ -230,6 +230,13 @@ class Answers(unittest.TestCase):
         self.expect((points, body), u, lambda x, b: (
             scale * x[2] * x[0], scale * x[2] * x[1], scale * (x[2] ** 2 - x[0] ** 2 - x[1] ** 2) / 2))
 
+    def test_metal_that_yields(self):
+        # Pressed by 1.5 it has flowed by half of what the curve's last point says, sideways by half of that.
+        for hardening in ("ISOTROPIC", "KINEMATIC"):
+            lines = [*bricks(), f"*PLASTIC, HARDENING={hardening}", "1.0, 0.0", "2.0, 0.01", *CONTACT[:4], "*TIE, NAME=T", "S2, S1"]
+            _, _, points, u, body = self.solve(lines + step("*DLOAD", "UPPER, P2, 1.5"))
+            self.expect((points, body), u, lambda x, b: (0.0025 * x[0], 0.0025 * x[1], -(1.5 / YOUNG + 0.005) * x[2]))
+
     def test_clearance(self):
         # The surfaces touch; a gap of 0.01 closes before anything bears.
         lines = [*bricks(), *CONTACT[:5], *CONTACT[7:], "*CLEARANCE, MASTER=S1, SLAVE=S2, VALUE=0.01"]
