@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Plasticity against closed forms: thick cylinder and sphere (Hill: The Mathematical Theory of Plasticity, 1950), bars at
-large strains, a punch.
+large strains, a ball that begins to yield, a punch.
 
 What it guards against: another yield surface or flow, in any cross-section; states that are lost or counted twice, in
 steps that are halved and after a restart; locking; tangents of other bodies than those that yield.
@@ -206,6 +206,77 @@ class Bars(unittest.TestCase):
                 )
                 self.assertAlmostEqual(row["dissipated"], size[0] * work, delta=1e-6 * max(work, 1e-3))
             self.assertEqual(at, steps)
+
+
+class Stamp(unittest.TestCase):
+    """The deck of the guide: a stiff stamp, pressed into a plate of sixteen subdomains that yields, and drawn back."""
+
+    def test_factors_are_made_anew_where_it_yields(self):
+        deck_of_guide = runs.SOURCE / "apps/harmos/decks/stamp.xml"
+        rows = steps_of(runs.solved(self, deck_of_guide, np=2, program="harmos").directory)
+        for row in rows:
+            self.assertLessEqual(row["factorisations"], 16 * (row["newton"] + 1))
+            self.assertLessEqual(row["newton"], 9)
+        self.assertGreater(max(row["factorisations"] for row in rows), 20)
+        self.assertLessEqual(rows[-1]["factorisations"], 8)  # nothing yields any more, but by what solves leave
+        self.assertEqual(rows[-1]["closed"], 0)
+        self.assertAlmostEqual(rows[-1]["dissipated"] / rows[-3]["dissipated"], 1.0, delta=1e-5)
+        self.assertGreater(rows[-1]["energy"], 1e-4)  # of the stresses that stay
+
+
+class Hertz(unittest.TestCase):
+    """A ball on a rigid plane yields first where von Mises' stress of Hertz' contact is greatest: at p₀ = 1.60σ_y for
+    ν = 0.3, on the axis in the depth 0.48a (Johnson: Contact Mechanics, 1985, section 6.2)."""
+
+    BALL = """
+        fine = 0.0025; mean = 0.02; coarse = 0.15;
+        Point(1) = {0, 1, 0, coarse}; Point(2) = {0, 0, 0, fine}; Point(3) = {1, 1, 0, coarse};
+        Point(4) = {Sin(0.12), 1 - Cos(0.12), 0, fine}; Point(5) = {0, 0.1, 0, fine}; Point(6) = {0, 0.3, 0, mean};
+        Point(7) = {Sin(0.4), 1 - Cos(0.4), 0, mean};
+        Line(1) = {3, 1}; Line(2) = {1, 6}; Line(3) = {6, 5}; Line(4) = {5, 2};
+        Circle(5) = {2, 1, 4}; Circle(6) = {4, 1, 7}; Circle(7) = {7, 1, 3};
+        Curve Loop(1) = {1, 2, 3, 4, 5, 6, 7}; Plane Surface(1) = {1};
+        Mesh.ElementOrder = 2;
+        Physical Curve("top") = {1}; Physical Curve("cap") = {5, 6}; Physical Surface("ball") = {1};
+    """
+
+    def test_first_yield(self):
+        young, poisson, radius = 1.0, 0.3, 0.05  # of the contact, about, when it yields
+        plane = young / (1.0 - poisson**2)
+        yield_stress = 2.0 * radius * plane / math.pi / 1.6
+        sizes = np.linspace(1.42, 1.57, 7) / 1.6 * radius
+        # How far the upper half of the ball comes down besides: as found from its force, some hundredths.
+        ways = [size**2 * 1.1 for size in sizes]
+        run = runs.solved(self, deck({
+            "Model": {"Physics": "axisymmetric", "Mesh file": geometry(self.BALL)},
+            "Materials": {"m": {
+                "Young's modulus": young, "Poisson's ratio": poisson, "Plasticity": {"Yield stress": yield_stress},
+            }},
+            "Bodies": {"ball": {"Materials": ["m"], "Subdomains": 8}},
+            "Steps": {
+                "Number": len(ways), "End time": float(len(ways)),
+                "Histories": {"down": {"Times": [float(k) for k in range(len(ways) + 1)], "Values": [0.0, *ways]}},
+            },
+            "Solver": {"Tolerance": 1e-6},
+            "Effects": {
+                "Obstacle": {"plane": {"Part": "ball/cap", "Direction": [0.0, 1.0, 0.0]}},
+                "Prescribed displacement": {"sink": {
+                    "Part": "ball/top", "Components": ["y"], "Displacement": [0.0, -1.0, 0.0], "History": "down",
+                }},
+            },
+        }), np=2, program="harmos")
+        rows = steps_of(run.directory)
+        pressures = [
+            (6.0 * row["Obstacle/plane/fy"] * plane**2 / math.pi**3) ** (1.0 / 3.0) / yield_stress for row in rows
+        ]
+        first = next(k for k, row in enumerate(rows) if row["dissipated"] > 0.0)
+        self.assertGreater(first, 0)
+        self.assertGreater(pressures[first], 1.58)
+        self.assertLess(pressures[first - 1], 1.64)  # 1.613 and 1.639 seen, of cells of a twentieth of the contact
+        points, plastic, _ = field(run.directory, "equivalent_plastic_strain")
+        place = points[plastic.argmax()] / radius
+        self.assertLess(place[0], 0.15)
+        self.assertLess(abs(place[1] - 0.48), 0.1)
 
 
 class Punch(unittest.TestCase):
