@@ -220,7 +220,7 @@ class Stamp(unittest.TestCase):
         self.assertGreater(max(row["factorisations"] for row in rows), 20)
         self.assertLessEqual(rows[-1]["factorisations"], 8)  # nothing yields any more, but by what solves leave
         self.assertEqual(rows[-1]["closed"], 0)
-        self.assertAlmostEqual(rows[-1]["dissipated"] / rows[-3]["dissipated"], 1.0, delta=1e-5)
+        self.assertAlmostEqual(rows[-1]["dissipated"] / rows[-3]["dissipated"], 1.0, delta=1e-3)
         self.assertGreater(rows[-1]["energy"], 1e-4)  # of the stresses that stay
 
 
