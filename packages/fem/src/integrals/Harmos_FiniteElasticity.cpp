@@ -122,7 +122,7 @@ FiniteForces forcesBy(const Mesh& mesh, const Elasticity& elasticity, const Give
                          const MaterialResponse response = responseAt(q);
                          result.energy += cell.measure(q) * response.energy;
                          result.dissipated += cell.measure(q) * response.dissipated;
-                         result.yields = result.yields || response.yields;
+                         result.yielding += response.yields ? 1 : 0;
                          addForces(cell, strain, q, response.stress, own);
                        }
                        for (std::size_t j = 0; j < own.size(); ++j)

@@ -14,7 +14,7 @@ struct FiniteForces {
   std::vector<double> internal; ///< ∫B(u)ᵀS, by dof = node · dimension + component
   double energy = 0.0;          ///< ∫W
   double dissipated = 0.0;      ///< since the run began
-  bool yields = false;          ///< at some point
+  int yielding = 0;             ///< points that do
   /// The least det F at the points of integration; not positive where a cell is turned inside out, and
   /// nothing else is of use.
   double leastJacobian = 1.0;

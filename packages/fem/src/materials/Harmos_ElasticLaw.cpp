@@ -245,7 +245,16 @@ VoigtMatrix strainTangent(const MaterialResponse& response, const Voigt& strain,
         for (std::size_t k = 0; k < 3; ++k)
           result[r][s] += 0.5 * (basis[r][i][k] * turned[s][k][i] + basis[s][i][k] * turned[r][k][i]);
     }
-  return isPositiveDefinite(result) ? result : response.tangent;
+  if (!response.yields)
+    return isPositiveDefinite(result) ? result : response.tangent;
+  // Of flow, whose modulus stresses may be above: what is added leaves rigid motions free.
+  double largest = 0.0;
+  for (std::size_t r = 0; r < 6; ++r)
+    largest = std::max(largest, result[r][r]);
+  for (double share = 1e-3; !isPositiveDefinite(result) && share < 1.0; share *= 4.0)
+    for (std::size_t r = 0; r < 6; ++r)
+      result[r][r] += result[r][r] != 0.0 ? share * largest : 0.0;
+  return result;
 }
 
 } // namespace Harmos::fem

@@ -54,7 +54,8 @@ class ElasticLaw : public MaterialLaw {
 ///
 ///     δE:∂S/∂E:δE + tr(dτd) = δE:(∂S/∂E + H):δE,   δE:H:δE = tr(δE S δE C⁻¹),
 ///
-/// where it is positive definite; else ∂S/∂E. @param strain that the response is to.
+/// where it is positive definite; else ∂S/∂E, and where it yields with as much more as makes it so. @param
+/// strain that the response is to.
 VoigtMatrix strainTangent(const MaterialResponse& response, const Voigt& strain, Kinematics kinematics);
 
 } // namespace Harmos::fem

@@ -69,7 +69,7 @@ std::vector<fem::TemperatureRise> DeformedBodies::risesAt(double time) const {
 
 DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displacement, double time) const {
   Forces result;
-  std::vector<double> sums(2, 0.0); // stored, dissipated
+  std::vector<double> sums(3, 0.0); // stored, dissipated, points that yield
   long long unsound = 0;
   agree(comm_, [&] {
     const std::vector<fem::TemperatureRise> rises = risesAt(time);
@@ -81,7 +81,8 @@ DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displaceme
       unsound += forces.leastJacobian > 0.0 && std::isfinite(forces.energy) ? 0 : 1;
       sums[0] += forces.energy;
       sums[1] += forces.dissipated;
-      result.yields.push_back(forces.yields ? 1 : 0);
+      sums[2] += forces.yielding;
+      result.yields.push_back(forces.yielding > 0 ? 1 : 0);
       if (springs_[i]) {
         std::vector<double> pulls(u.size());
         springs_[i]->multiply(u.data(), pulls.data());
@@ -97,6 +98,7 @@ DeformedBodies::Forces DeformedBodies::forces(const feti::TornVector& displaceme
   globalSum(comm_, sums);
   result.energy = sums[0];
   result.dissipated = sums[1];
+  result.yielding = sums[2];
   return result;
 }
 

@@ -30,6 +30,7 @@ class DeformedBodies {
     double energy = 0.0;       ///< stored, of all ranks
     double dissipated = 0.0;   ///< by materials since the run began, of all ranks
     std::vector<char> yields;  ///< of each subdomain of this rank, whether its tangent is one of going on
+    double yielding = 0.0;     ///< points where it is, of all ranks
     bool isSound = true;       ///< no cell is turned inside out, on any rank; else nothing else is of use
   };
   /// @param time of temperatures. @throws NumericalError on all ranks for cells that are inverted at rest.

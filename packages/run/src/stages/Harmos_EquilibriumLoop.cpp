@@ -127,13 +127,15 @@ void EquilibriumLoop::renewTangent(const DeformedBodies::Forces& forces) {
   for (std::size_t i = 0; i < which.size(); ++i)
     which[i] =
         which[i] != 0 || base_.yields[i] != 0 || (progress_.isSlow && context_.scene.isFinite()) ? 1 : 0;
-  const bool yields =
-      globalMax(*context_.comm, std::count(forces.yields.begin(), forces.yields.end(), 1) > 0 ? 1LL : 0LL) >
-      0;
   rebase(trial_, which);
   base_.yields = forces.yields;
-  if (yields && !context_.scene.isFinite()) // Newton's own iterations, which nothing is left out of
+  // Changes of other tangents say nothing of those to come; with consistent tangents of small displacements
+  // they are Newton's own, and nothing is to be mixed.
+  constexpr double same = 0.02;
+  const bool isOther = std::abs(forces.yielding - progress_.yielding) > same * forces.yielding;
+  if (isOther || (forces.yielding > 0.0 && !context_.scene.isFinite()))
     mixing_.restart();
+  progress_.yielding = forces.yielding;
   progress_.isSlow = false;
 }
 
@@ -489,7 +491,8 @@ std::optional<feti::TornVector> EquilibriumLoop::motionUnder(const feti::TornVec
 // Whether energy comes free along a motion that contacts allow: a sentence, or nothing.
 std::string EquilibriumLoop::instability(const feti::TornVector& answer, const Change& change, const Log& log,
                                          RunMonitor& monitor) {
-  if (!(progress_.scale > 0.0) || !context_.scene.isFinite())
+  // Forces of what yields have a kink at each state.
+  if (!(progress_.scale > 0.0) || !context_.scene.isFinite() || context_.scene.yields())
     return {};
   const feti::SolveReport before = context_.report;
   feti::TornVector force = norm_.weights; // to all sides, as hard as bodies are stiff
@@ -616,6 +619,7 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.number("last merit", progress_.last);
   archive.number("tangent is to be made anew", progress_.isSlow);
   archive.number("Newton iterations of solves before", progress_.before);
+  archive.number("points that yield", progress_.yielding);
   std::size_t entries = mixing_.size();
   archive.number("iterates mixed", entries);
   int place = 0;

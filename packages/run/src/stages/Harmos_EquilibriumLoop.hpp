@@ -90,6 +90,7 @@ class EquilibriumLoop {
     double scale = 0.0, last = 0.0;
     std::vector<double> logarithms; // of the last ones
     bool isSlow = false;            // the tangent is to be made anew
+    double yielding = 0.0;          // points
     int before = 0;                 // iterations of the step, of solves before this one
   };
   // What a quadratic program says: du in the frames, and with equal copies, without; ‖du‖_K̂.
