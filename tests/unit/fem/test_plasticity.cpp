@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Errors.hpp"
 #include "Harmos_FiniteElasticity.hpp"
 #include "Harmos_LogarithmicStrain.hpp"
 #include "Harmos_StructuredBlock.hpp"
@@ -229,6 +230,23 @@ TEST(Plasticity, flow_keeps_volume_and_stays) {
     const MaterialResponse again = point.at({s, -0.3 * s, 0.1 * s, 0.8 * s, -0.5 * s, 0.2 * s});
     EXPECT_NEAR(again.dissipated, response.dissipated, 1e-12 * response.dissipated);
   }
+}
+
+// Strains of far regions, of any smallness, have an answer in plane stress, and materials with axes no
+// plasticity.
+TEST(Plasticity, small_strains_and_wrong_materials) {
+  for (const Strains strains : {Strains::Small, Strains::Finite})
+    for (const double size : {0.0, 1e-15, 1e-12, 1e-9, 1e-7, 1e-6, 1e-4}) {
+      Point point(metal(8.0, 3.0), Kinematics::PlaneStress, strains);
+      const MaterialResponse response = point.at({size, -0.4 * size, 0, 0.7 * size, 0, 0});
+      EXPECT_TRUE(std::isfinite(response.energy)) << size;
+      EXPECT_NEAR(response.stress[0], young / (1.0 - poisson * poisson) * (1.0 - 0.4 * poisson) * size,
+                  (1e-13 + 10.0 * size * size) * young)
+          << size;
+    }
+  Material other = metal(8.0, 3.0);
+  other.shear[1] *= 1.1;
+  EXPECT_THROW(other.check("other"), InputError);
 }
 
 // Of meshes: forces are derivatives of what is stored and dissipated, tangents those of forces; B-bar, F-bar,

@@ -187,6 +187,11 @@ void Material::check(const std::string& name) const {
     std::string fault = faultOf(*plasticity);
     if (fault.empty() && (!(plasticity->isotropic >= 0.0) || !(plasticity->kinematic >= 0.0)))
       fault = "a hardening modulus is negative: softening has no unique answer";
+    constexpr double rounding = 1e-12;
+    const double ofIsotropic = 0.5 * young[0] / (1.0 + poisson[0]);
+    for (std::size_t k = 0; k < 3 && fault.empty(); ++k)
+      if (poisson[k] != poisson[0] || std::abs(shear[k] - ofIsotropic) > rounding * ofIsotropic)
+        fault = "plasticity is of isotropic materials; use \"Type\" = \"isotropic\"";
     if (fault.empty() &&
         (law == Law::NeoHookean || axes || coupled || young[0] != young[1] || young[0] != young[2] ||
          expansion[0] != expansion[1] || expansion[0] != expansion[2]))

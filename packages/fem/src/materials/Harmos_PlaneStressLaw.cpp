@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_PlaneStressLaw.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -21,9 +22,10 @@ MaterialResponse PlaneStressLaw::at(const Voigt& strain, double rise, const doub
     if (!std::isfinite(response.energy) || !std::isfinite(change))
       break;
     const double size = std::abs(whole[0]) + std::abs(whole[1]) + std::abs(whole[2]) + std::abs(whole[3]);
-    // Rounding errors no longer get smaller.
+    // Rounding errors no longer get smaller; logarithms have those of one.
+    constexpr double ofOne = 4.0 * std::numeric_limits<double>::epsilon();
     isFound = std::abs(change) <= known * size ||
-              (std::abs(change) <= 1e3 * known * size && std::abs(change) >= last);
+              (std::abs(change) >= last && std::abs(change) <= std::max(1e3 * known * size, ofOne));
     last = std::abs(change);
     if (!isFound)
       whole[2] += change;

@@ -58,6 +58,11 @@ fem::Elasticity DeformedBodies::elasticityAt(std::size_t subdomain) const {
   return elasticityOf(scene_, scene_.bodies[static_cast<std::size_t>(atRest_[subdomain].body)]);
 }
 
+fem::TemperatureRise DeformedBodies::riseAt(std::size_t subdomain, double time) const {
+  const scene::OwnedSubdomain& item = atRest_[subdomain];
+  return {scene_.temperatureRises(time)[static_cast<std::size_t>(item.body)], scene_.nodalRises(item, time)};
+}
+
 // Of each subdomain.
 std::vector<fem::TemperatureRise> DeformedBodies::risesAt(double time) const {
   const std::vector<double> ofBodies = scene_.temperatureRises(time);
@@ -130,18 +135,17 @@ feti::TornVector DeformedBodies::followingLoads(const feti::TornVector& displace
   return result;
 }
 
-void DeformedBodies::makeTangent(const feti::TornVector& displacement, double time,
-                                 const std::vector<char>* which, Tangent& tangent) const {
+void DeformedBodies::makeTangent(const feti::TornVector& displacement, const std::vector<double>& times,
+                                 const std::vector<char>& which, Tangent& tangent) const {
   agree(comm_, [&] {
-    const std::vector<fem::TemperatureRise> rises = risesAt(time);
     tangent.matrices.resize(atRest_.size());
     tangent.kernels.resize(atRest_.size());
     for (std::size_t i = 0; i < atRest_.size(); ++i) {
-      if (which != nullptr && (*which)[i] == 0)
+      if (which[i] == 0)
         continue;
       const scene::OwnedSubdomain& item = atRest_[i];
       LocalMatrix matrix = fem::assembleStrainTangent(*item.mesh.mesh, elasticityAt(i), displacement[i],
-                                                      rises[i], &states_[i]);
+                                                      riseAt(i, times[i]), &states_[i]);
       feti::Kernel kernel = kernelOf(*item.mesh.mesh, scene_.isFinite() ? &displacement[i] : nullptr);
       if (springs_[i]) {
         kernel = feti::keptKernel(kernel, *springs_[i]);

@@ -46,9 +46,9 @@ class DeformedBodies {
     std::vector<std::shared_ptr<const feti::Kernel>> kernels;
   };
   /// The material part, see fem::assembleStrainTangent(), of sound displacements.
-  /// @param which of the subdomains: others keep what is there; null: all.
-  void makeTangent(const feti::TornVector& displacement, double time, const std::vector<char>* which,
-                   Tangent& tangent) const;
+  /// @param times of temperatures of each subdomain. @param which of them: others keep what is there.
+  void makeTangent(const feti::TornVector& displacement, const std::vector<double>& times,
+                   const std::vector<char>& which, Tangent& tangent) const;
   /// States of the materials of each subdomain. Empty where none has any.
   using States = std::vector<fem::MaterialStates>;
   /// Those of an answer.
@@ -79,6 +79,7 @@ class DeformedBodies {
 
  private:
   std::vector<fem::TemperatureRise> risesAt(double time) const;
+  fem::TemperatureRise riseAt(std::size_t subdomain, double time) const;
   fem::Elasticity elasticityAt(std::size_t subdomain) const;
 
   const Teuchos::Comm<int>& comm_;

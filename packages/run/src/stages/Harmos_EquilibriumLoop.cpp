@@ -106,18 +106,20 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
   base_.displacement = committed_.displacement;
   base_.isMade.assign(run.owned().size(), 0);
   base_.yields = base_.isMade;
+  base_.times.assign(run.owned().size(), 0.0);
 }
 
 // @param which of the subdomains.
 void EquilibriumLoop::rebase(const State& state, const std::vector<char>& which) {
-  bodies_.makeTangent(state.displacement, state.time, &which, base_.tangent);
+  bodies_.makeTangent(state.displacement, std::vector<double>(which.size(), state.time), which,
+                      base_.tangent);
   for (std::size_t i = 0; i < which.size(); ++i)
     if (which[i] != 0) {
       base_.displacement[i] = state.displacement[i];
+      base_.times[i] = state.time;
       base_.isMade[i] = 1;
       base_.yields[i] = 0;
     }
-  base_.time = state.time;
 }
 
 // Of all bodies at finite displacements, where it has become wrong; of those that yield, and of those that
@@ -387,6 +389,10 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
   balance_.begin(time, committed_.displacement);
   trial_.time = time;
   DeformedBodies::Forces forces = balance_.forcesAt(trial_.displacement);
+  if (!forces.isSound) {
+    failure_ = "cells turn inside out where the step begins";
+    return Outcome::Failed;
+  }
   while (true) {
     ++iterations_;
     pose(time, forces);
@@ -436,6 +442,8 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   if (!failure_.empty())
     return true;
   trial_.displacement = answer;
+  for (std::size_t i = 0; i < base_.yields.size(); ++i) // begin() makes their tangents anew
+    base_.yields[i] = base_.yields[i] != 0 || forces.yields[i] != 0 ? 1 : 0;
   trial_.energy = forces.energy;
   trial_.dissipated = forces.dissipated;
   trial_.states = bodies_.statesAfter(answer, time);
@@ -576,15 +584,17 @@ void EquilibriumLoop::exchangeStates(TornArchive& torn) {
 void EquilibriumLoop::exchangeBase(TornArchive& torn, bool isReading) {
   feti::TornVector marks;
   for (std::size_t i = 0; i < base_.isMade.size(); ++i)
-    marks.push_back({static_cast<double>(base_.isMade[i]), static_cast<double>(base_.yields[i])});
+    marks.push_back(
+        {static_cast<double>(base_.isMade[i]), static_cast<double>(base_.yields[i]), base_.times[i]});
   torn.exchangeNumbers("tangents made", marks);
   if (!isReading)
     return;
   for (std::size_t i = 0; i < marks.size(); ++i) {
     base_.isMade[i] = marks[i][0] != 0.0 ? 1 : 0;
     base_.yields[i] = marks[i][1] != 0.0 ? 1 : 0;
+    base_.times[i] = marks[i][2];
   }
-  bodies_.makeTangent(base_.displacement, base_.time, &base_.isMade, base_.tangent);
+  bodies_.makeTangent(base_.displacement, base_.times, base_.isMade, base_.tangent);
 }
 
 void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWithinStep) {
@@ -603,7 +613,6 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.number("loads follow", follows);
   if (follows)
     torn.exchange("following loads", committed_.following);
-  archive.number("time of the tangent", base_.time);
   torn.exchange("displacement of the tangent", base_.displacement);
   exchangeBase(torn, archive.isReading());
   if (!isWithinStep)

@@ -71,8 +71,9 @@ class EquilibriumLoop {
   struct Base {
     feti::TornVector displacement;
     DeformedBodies::Tangent tangent;
-    double time = 0.0;
-    std::vector<char> isMade, yields; // of each subdomain: not as at rest; as it goes on yielding
+    // Of each subdomain: not as at rest; as it goes on yielding; of which temperatures.
+    std::vector<char> isMade, yields;
+    std::vector<double> times;
   };
   // What u is in, or was.
   struct State {

@@ -630,7 +630,7 @@ void RunStages::writeFields(const std::string& file) {
   if (context_.options.writeStresses && isElastic()) {
     recovered = recoverStress(*context_.comm, context_.scene, owned_, torn_.displacement, time_, materials_);
     fields.stress = &recovered.stress;
-    fields.plasticStrain = recovered.states.empty() ? nullptr : &recovered.states;
+    fields.plasticStrain = context_.scene.yields() ? &recovered.states : nullptr; // on all ranks alike
   }
   if (context_.options.cellFields == CellFields::Stress && isElastic()) {
     agree(*context_.comm,

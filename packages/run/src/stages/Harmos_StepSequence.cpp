@@ -264,9 +264,9 @@ StepSequence::Outcome StepSequence::accept() {
   bounds_->moving.addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
   energy_->reach({run_.loads().factors(clock_.to()), products, context_.report.audit.energy,
                   scene::freeStrainEnergy(*context_.comm, context_.scene, run_.owned(), clock_.to()),
-                  context_.report.audit.frictionWork,
-                  states_->dissipated() + (equilibrium_ ? equilibrium_->dissipated() : 0.0),
-                  equilibrium_ ? equilibrium_->furtherWork() : 0.0});
+                  context_.report.audit.frictionWork, states_->dissipated(),
+                  equilibrium_ ? equilibrium_->furtherWork() : 0.0,
+                  equilibrium_ ? equilibrium_->dissipated() : 0.0});
   if (equilibrium_)
     run_.tellBonds(equilibrium_->bonds());
   else

@@ -30,8 +30,8 @@ void EnergyAccount::reach(Answer answer) {
   }
   reached_ = std::move(answer);
   const double broken = reached_.breaking - before_.breaking;
-  const double left =
-      work_ - committedWork_ - (stored_ - committedStored_) - (dissipated_ - committedDissipation_) - broken;
+  const double left = work_ - committedWork_ - (stored_ - committedStored_) -
+                      (dissipated_ - committedDissipation_) - broken - (reached_.flow - before_.flow);
   released_ = committedRelease_ + (broken > 0.0 ? std::max(0.0, left) : 0.0);
 }
 
@@ -64,6 +64,7 @@ void EnergyAccount::exchange(qp::StateArchive<MultiVector>& archive) {
   if (!breaks_)
     return;
   archive.number("dissipated by damage", before_.breaking);
+  archive.number("dissipated by flow", before_.flow);
   archive.number("stored", committedStored_);
   archive.number("released", committedRelease_);
 }

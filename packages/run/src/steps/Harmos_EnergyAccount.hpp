@@ -34,6 +34,7 @@ class EnergyAccount {
     double frictionWork = 0.0;            ///< of the step: feti::KktAudit::frictionWork
     double breaking = 0.0;                ///< dissipated by damage, since the run began
     double furtherWork = 0.0;             ///< in the step, of loads that are no cases: following ones
+    double flow = 0.0;                    ///< dissipated by materials that yield, since the run began
   };
 
   /// @param dissipates whether there is friction. @param breaks whether there is damage.
@@ -47,8 +48,8 @@ class EnergyAccount {
   double stored() const { return stored_; }
   /// Since the beginning of the run.
   double externalWork() const { return work_; }
-  /// By friction, Σλ_tᵀΔs, and damage, since the beginning of the run.
-  double dissipated() const { return dissipated_ + reached_.breaking; }
+  /// By friction, Σλ_tᵀΔs, damage and flow, since the beginning of the run.
+  double dissipated() const { return dissipated_ + reached_.breaking + reached_.flow; }
   /// What bodies have left over where points broke faster than loads went on, which would set them in motion:
   /// the external work of steps in which damage grew that is neither stored nor dissipated, where that is
   /// positive. Among it are errors of the trapezoidal rule in these steps.
