@@ -65,10 +65,9 @@ fem::TemperatureRise DeformedBodies::riseAt(std::size_t subdomain, double time) 
 
 // Of each subdomain.
 std::vector<fem::TemperatureRise> DeformedBodies::risesAt(double time) const {
-  const std::vector<double> ofBodies = scene_.temperatureRises(time);
   std::vector<fem::TemperatureRise> result;
-  for (const scene::OwnedSubdomain& item : atRest_)
-    result.push_back({ofBodies[static_cast<std::size_t>(item.body)], scene_.nodalRises(item, time)});
+  for (std::size_t i = 0; i < atRest_.size(); ++i)
+    result.push_back(riseAt(i, time));
   return result;
 }
 

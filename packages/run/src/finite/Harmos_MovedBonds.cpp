@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_MovedBonds.hpp"
 
-#include "Harmos_Errors.hpp"
 #include "Harmos_PointAlgebra.hpp"
 
 #include <cmath>
@@ -10,9 +9,9 @@ namespace Harmos::run {
 
 using Bond = scene::ContactSetup::Bond;
 
-MovedBonds::MovedBonds(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
-                       const scene::ContactSetup& atRest, const DeformedBodies& bodies)
-    : comm_(comm), bodies_(bodies) {
+MovedBonds::MovedBonds(const std::vector<scene::OwnedSubdomain>& owned, const scene::ContactSetup& atRest,
+                       const DeformedBodies& bodies)
+    : bodies_(bodies) {
   points_.bondCount = atRest.bondCount;
   points_.pointCount = atRest.pointCount;
   points_.limitedRows = atRest.limitedRows;

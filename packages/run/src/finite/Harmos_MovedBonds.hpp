@@ -28,9 +28,9 @@ namespace Harmos::run {
 /// Guarded by tests/unit/run/test_finite_displacements.cpp and tests/verification/finite.
 class MovedBonds {
  public:
-  /// @param atRest contacts of the bodies at rest. @param bodies to outlive it, as comm. @note Collective.
-  MovedBonds(const Teuchos::Comm<int>& comm, const std::vector<scene::OwnedSubdomain>& owned,
-             const scene::ContactSetup& atRest, const DeformedBodies& bodies);
+  /// @param atRest contacts of the bodies at rest. @param bodies to outlive it. @note Collective.
+  MovedBonds(const std::vector<scene::OwnedSubdomain>& owned, const scene::ContactSetup& atRest,
+             const DeformedBodies& bodies);
 
   /// The points that are bound when the run begins, alone: what states are of.
   const scene::ContactSetup& points() const { return points_; }
@@ -75,7 +75,6 @@ class MovedBonds {
   void findJumps(const std::vector<scene::OwnedSubdomain>& owned);
   bool takesOver(std::size_t own, const ConstraintRow& spring) const;
 
-  const Teuchos::Comm<int>& comm_;
   const DeformedBodies& bodies_;
   const EffectStates* states_ = nullptr;
   scene::ContactSetup points_;

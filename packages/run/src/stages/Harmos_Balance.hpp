@@ -27,7 +27,7 @@ class Balance {
         run_(run),
         bodies_(bodies),
         atRest_(run.contact()),
-        bonds_(*context.comm, run.owned(), run.contact(), bodies) {}
+        bonds_(run.owned(), run.contact(), bodies) {}
 
   /// @param locks which of the equations hold that are locked at a time; to outlive it.
   void follow(const Locks& locks) { locks_ = &locks; }
