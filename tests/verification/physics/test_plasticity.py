@@ -8,14 +8,17 @@ steps that are halved and after a restart; locking; tangents of other bodies tha
 
 import math
 import os
+import re
 import signal
 import sys
 import unittest
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[2] / "support"), str(Path(__file__).resolve().parents[1] / "finite")]
+TESTS = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(TESTS / "support"), str(TESTS / "support/problems"), str(TESTS / "verification/finite")]
 
 import harmos_runs as runs  # noqa: E402
+import step42  # noqa: E402
 
 try:
     import numpy as np
@@ -43,6 +46,11 @@ def ring(cells, order=1):
         Physical Curve("y0") = {{1}}; Physical Curve("x0") = {{3}}; Physical Curve("inner") = {{4}};
         Physical Surface("ring") = {{1}};
     """)
+
+
+def changes(run):
+    """Of Newton's iterations, as the log tells them."""
+    return [float(word) for word in re.findall(r"Newton iteration \d+: change (\S+),", run.stdout)]
 
 
 def metal(hardening=None, young=YOUNG, poisson=POISSON):
@@ -107,6 +115,15 @@ class Hill(unittest.TestCase):
         front = 1.25
         pressure = 2.0 / 3.0 * YIELD * (1.0 - (front / OUTER) ** 3) + 2.0 * YIELD * math.log(front / INNER)
         self.compare(pressure, (1.0 - 0.3) * YIELD * front**3 / (YOUNG * OUTER**2), "axisymmetric", front)
+
+    def test_newton_is_quadratic(self):
+        """Of consistent tangents made anew in each iteration: m₊ ~ m², from a hundredth to a hundred millionth."""
+        found = changes(runs.solved(self, deck(self.tree(ring(8), 0.25, tolerance=1e-10, times=(1.0,))), np=2, program="harmos"))
+        orders = [
+            math.log(b / c) / math.log(a / b) for a, b, c in zip(found, found[1:], found[2:]) if a < 0.1 and c > 1e-12
+        ]
+        self.assertGreaterEqual(len(orders), 2, found)
+        self.assertGreater(min(orders), 1.6, found)
 
     def test_unloading(self):
         """What is left of the hoop stress inside: 2k − p less what p does to an elastic ring. Nothing more is dissipated;
@@ -283,22 +300,26 @@ class Punch(unittest.TestCase):
     """A smooth rigid strip pressed into a half plane bears (2 + π)k a length of it (Prandtl 1920), an upper bound of meshes
     that do not lock: from above, nearer on finer ones."""
 
-    def limit(self, cells, element, dilatation):
-        rows = steps_of(runs.solved(self, deck({
+    def scene(self, cells, element, dilatation, steps):
+        return {
             "Model": {"Physics": "plane strain"},
             "Materials": {"m": metal({"Isotropic hardening": 1e-4}, poisson=0.3)},
             "Bodies": {"ground": block([0.0, -2.0], [4.0, 2.0], [2, 1], [2 * cells, 2 * cells], element, "m") | {
                 "Expert": {"Dilatation": dilatation},
             }},
             "Boundary parts": {"strip": {"Bodies": ["ground"], "Of": ["top"], "Box from": [-0.01, -0.1, -1.0], "Box to": [1.01, 0.1, 1.0]}},
-            "Steps": {"Number": 6, "Smallest step": 0.05},
+            "Steps": steps,
             "Solver": {"Tolerance": 1e-5},
             "Effects": {"Prescribed displacement": {
                 "symmetry": {"Part": "ground/left", "Components": ["x"]},
                 "far": {"Part": "ground/right", "Components": ["x"]}, "deep": {"Part": "ground/bottom"},
                 "punch": {"Part": "ground/strip", "Components": ["y"], "Displacement": [0.0, -0.05, 0.0]},
             }},
-        }), np=2, program="harmos").directory)
+        }
+
+    def limit(self, cells, element, dilatation):
+        tree = self.scene(cells, element, dilatation, {"Number": 6, "Smallest step": 0.05})
+        rows = steps_of(runs.solved(self, deck(tree), np=2, program="harmos").directory)
         return -rows[-1]["Prescribed displacement/punch/fy"] / (YIELD / math.sqrt(3.0))
 
     def test_limit_load(self):
@@ -308,6 +329,40 @@ class Punch(unittest.TestCase):
         self.assertLess(linear[2], 0.025)
         self.assertGreater(self.limit(8, "Q1", "full") / exact - 1.0, 4.0 * linear[1])  # without B-bar it locks
         self.assertLess(abs(self.limit(8, "P2", "projected") / exact - 1.0), 0.01)
+
+    def test_one_step(self):
+        """Nearly to the limit load at once: steps of Newton's that lead beyond where the potential is least are shortened."""
+        run = runs.solved(self, deck(self.scene(8, "Q1", "projected", {"Number": 1})), np=2, program="harmos")
+        self.assertLessEqual(len(steps_of(run.directory)), 1)
+        self.assertLess(len(changes(run)), 25)  # 18 seen
+
+
+class Indentation(unittest.TestCase):
+    """deal.II's step-42: forces of another program on the same cells."""
+
+    def force(self, tree, effects):
+        row = steps_of(runs.solved(self, deck(tree), np=2, program="harmos").directory)[-1]
+        return -sum(value for name, value in row.items() if name.startswith(effects) and name.endswith("/fz"))
+
+    def test_forces(self):
+        """As published, with one node in contact; and where its ball puts nine nodes. Six digits."""
+        self.assertAlmostEqual(self.force(step42.scene(8, 2), "Obstacle/ball"), step42.PUBLISHED[8], delta=1e-4)
+        directory = runs.scratch("cube")
+        directory.mkdir()
+        tree = step42.with_nodes_in_contact(16, 16, directory)
+        self.assertAlmostEqual(self.force(tree, "Prescribed displacement/node"), step42.MEASURED[16], delta=1e-4)
+
+    def test_products(self):
+        """E/H = 1000, which moduli of flow differ by from those beside them: with adaptive vectors no more applications of F
+        a Newton iteration than 1.5 times those of the elastic problem (1.1 seen), without some 1.5 times."""
+        def applications(hardening, sets):
+            run = runs.solved(
+                self, deck(step42.scene(16, 4, hardening, "projected")), sets, np=2, program="harmos"
+            )
+            return run.summary["hessian_applications"] / max(1, len(changes(run)))
+
+        vectors = {"Dual operator/Expert/Adaptive coarse vectors": "all"}
+        self.assertLess(applications(step42.YOUNG / 1000.0, vectors), 1.5 * applications(False, {}))
 
 
 if __name__ == "__main__":

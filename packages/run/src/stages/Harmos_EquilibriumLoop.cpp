@@ -23,7 +23,7 @@ constexpr int mostIterations = 60;
 constexpr double contraction = 0.3, wrong = 0.1, stiffening = 2.0;
 // Of √(uᵀdiag(K)u): rounding errors of strains.
 constexpr double roundoff = 1e-12;
-// Of the change that errors of a solve may be.
+// Of the change that errors of a solve may be, at most.
 constexpr double share = 0.01;
 // Of a solve: less is rounding errors.
 constexpr double leastTolerance = 1e-13, firstTolerance = 1e-2;
@@ -89,13 +89,11 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
       mixing_(*context.comm, norm_.weights),
       committed_{
           run.pipeline().system().zeroVector(), CarriedForces(context.scene), PointSlips(context.scene), {}},
-      trial_(committed_) {
+      trial_(committed_),
+      tangent_(bodies_, run.pipeline().system(), committed_.displacement) {
   const feti::SubdomainSystem& system = run.pipeline().system();
-  for (int i = 0; i < system.size(); ++i) {
+  for (int i = 0; i < system.size(); ++i)
     norm_.weights.push_back(system.diagonal(i));
-    base_.tangent.matrices.push_back(system.subdomain(i).stiffness);
-    base_.tangent.kernels.push_back(system.subdomain(i).motions);
-  }
   feti::TornVector places = norm_.weights;
   const auto components = static_cast<std::size_t>(context.scene.components());
   for (std::size_t i = 0; i < places.size(); ++i)
@@ -103,34 +101,12 @@ EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
       places[i][k] = run.owned()[i].mesh.position(static_cast<int>(k / components))[k % components];
   norm_.ofPlaces = weighed(places);
   norm_.largestPlace = largestOf(*context.comm, places);
-  base_.displacement = committed_.displacement;
-  base_.isMade.assign(run.owned().size(), 0);
-  base_.yields = base_.isMade;
-  base_.times.assign(run.owned().size(), 0.0);
 }
 
-// @param which of the subdomains.
-void EquilibriumLoop::rebase(const State& state, const std::vector<char>& which) {
-  bodies_.makeTangent(state.displacement, std::vector<double>(which.size(), state.time), which,
-                      base_.tangent);
-  for (std::size_t i = 0; i < which.size(); ++i)
-    if (which[i] != 0) {
-      base_.displacement[i] = state.displacement[i];
-      base_.times[i] = state.time;
-      base_.isMade[i] = 1;
-      base_.yields[i] = 0;
-    }
-}
-
-// Of all bodies at finite displacements, where it has become wrong; of those that yield, and of those that
-// did when theirs was made.
+// At finite displacements of all bodies, where it has become wrong; of those that yield.
 void EquilibriumLoop::renewTangent(const DeformedBodies::Forces& forces) {
-  std::vector<char> which = forces.yields;
-  for (std::size_t i = 0; i < which.size(); ++i)
-    which[i] =
-        which[i] != 0 || base_.yields[i] != 0 || (progress_.isSlow && context_.scene.isFinite()) ? 1 : 0;
-  rebase(trial_, which);
-  base_.yields = forces.yields;
+  tangent_.renew(trial_.displacement, trial_.time, forces.yields,
+                 progress_.isSlow && context_.scene.isFinite());
   // Changes of other tangents say nothing of those to come; with consistent tangents of small displacements
   // they are Newton's own, and nothing is to be mixed.
   constexpr double same = 0.02;
@@ -146,13 +122,13 @@ void EquilibriumLoop::renewTangent(const DeformedBodies::Forces& forces) {
 std::vector<std::optional<feti::Frame>> EquilibriumLoop::frames() const {
   if (run_.pipeline().constraints()->hasWeights() || run_.pipeline().inverses()->joined() != nullptr)
     return {};
-  return bodies_.frames(base_.displacement, trial_.displacement);
+  return tangent_.frames(trial_.displacement);
 }
 
 void EquilibriumLoop::begin(double from) {
   committed_.time = from;
   trial_ = committed_;
-  rebase(committed_, std::vector<char>(base_.yields)); // a restart has no other
+  tangent_.begin(committed_.displacement, committed_.time);
   mixing_.restart();
   progress_ = {};
   progress_.tolerance = firstTolerance;
@@ -219,7 +195,7 @@ void EquilibriumLoop::pose(double time, const DeformedBodies::Forces& forces) {
   {
     const auto scope = context_.timers.scope("assembly");
     renewTangent(forces);
-    iterate.tangent = base_.tangent;
+    iterate.tangent = tangent_.tangent();
     iterate.frames = frames();
     for (std::size_t i = 0; i < internal.size(); ++i) {
       auto load = std::make_shared<std::vector<double>>(*loads[i]);
@@ -282,6 +258,16 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveProblem(const Log& log, RunMonito
   return outcome;
 }
 
+// Of the change that errors of a solve may be: no more than what the next change will be where changes come
+// down quadratically, as they do with consistent tangents, m₊/m = (m/m₋)² (Eisenstat and Walker, SIAM J. Sci.
+// Comput. 17, 1996, choice 2).
+double EquilibriumLoop::forcing(double merit) const {
+  if (!(progress_.last > 0.0))
+    return share;
+  const double ratio = merit / progress_.last;
+  return std::min(share, ratio * ratio);
+}
+
 // To errors that are small beside the change.
 EquilibriumLoop::Outcome EquilibriumLoop::solveTo(const std::optional<feti::WarmStart>& given, const Log& log,
                                                   RunMonitor& monitor, Change& change) {
@@ -302,7 +288,8 @@ EquilibriumLoop::Outcome EquilibriumLoop::solveTo(const std::optional<feti::Warm
     change.jump = bodies_.joinCopies(change.joined);
     change.merit = meritOf(change.joined);
     const double error = feti::energyError(stages, run_.pipeline().scaling(), change.torn),
-                 allowed = share * std::max(change.merit, context_.options.tolerance * progress_.scale);
+                 allowed = std::max(forcing(change.merit) * change.merit,
+                                    share * context_.options.tolerance * progress_.scale);
     constexpr double further = 0.5; // or errors are those of rounding
     if (error <= allowed || progress_.tolerance <= leastTolerance || error > further * last)
       break;
@@ -330,18 +317,55 @@ double EquilibriumLoop::meritOf(const feti::TornVector& change) const {
   return std::sqrt(std::max(0.0, workOf(image(change), change)));
 }
 
-// u + s du, s = 1 or as much of it as leaves all cells as they should be. @return whether s = 1.
-bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer,
-                              DeformedBodies::Forces& forces) {
-  constexpr double least = 1e-3;
-  for (double part = 1.0; part > least; part *= 0.5) {
+// u + s du, s = 1 or as much of it as leaves all cells as they should be, and as is of use. @param stiffness
+// of bodies along du, over that of the tangent. @return whether s = 1.
+bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces,
+                              double& stiffness) {
+  const double before = workOf(forces.internal, change.joined);
+  const auto go = [&](double part) {
     answer = sum(trial_.displacement, part, change.joined);
     forces = balance_.forcesAt(answer);
-    if (forces.isSound)
-      return part == 1.0;
-  }
+    const double work = workOf(forces.internal, change.joined) - before;
+    stiffness = change.merit > 0.0 ? work / (change.merit * change.merit) : 0.0;
+    return forces.isSound;
+  };
+  constexpr double least = 1e-3;
+  for (double part = 1.0; part > least; part *= 0.5)
+    if (go(part))
+      return part == 1.0 && !isShortened(go, stiffness);
   failure_ = "cells turn inside out";
   return false;
+}
+
+// Searches along du at small displacements, where bodies and contacts have a convex potential: beyond where
+// bodies resist du as the tangent says that they resist all of it, duᵀ(f_int(u + s du) − f_int(u)) = ‖du‖²_K̂,
+// the potential rises (contacts and springs only take from its slope there). Not on the first way of a solve,
+// which leads to what is prescribed. @param go to a part of du. @return whether the answer is short of all.
+bool EquilibriumLoop::isShortened(const std::function<bool(double)>& go, double& stiffness) const {
+  if (context_.scene.isFinite() || iterations_ <= progress_.before + 1 || !(stiffness > stiffening))
+    return false;
+  constexpr int most = 8;
+  constexpr double enough = 0.3;
+  double low = 0.0, atLow = -1.0, high = 1.0, atHigh = stiffness - 1.0, last = atHigh;
+  for (int i = 0; i < most; ++i) { // regula falsi, Illinois' rule
+    const double part = (low * atHigh - high * atLow) / (atHigh - atLow);
+    go(part);
+    const double value = stiffness - 1.0;
+    if (std::abs(value) < enough)
+      break;
+    const double stale = value * last > 0.0 ? 0.5 : 1.0;
+    if (value < 0.0) {
+      low = part;
+      atLow = value;
+      atHigh *= stale;
+    } else {
+      high = part;
+      atHigh = value;
+      atLow *= stale;
+    }
+    last = value;
+  }
+  return true;
 }
 
 // Whether changes have not come down, from so many iterations to as many, in the geometric mean: one by one
@@ -367,7 +391,7 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
                                                 const std::function<void()>& save) {
   const auto fail = [this](const Error& error) {
     failure_ = error.what();
-    rebase(committed_, std::vector<char>(base_.isMade.size(), 1)); // the tangent may be what was wrong
+    tangent_.reset(committed_.displacement, committed_.time); // it may be what was wrong
     return Outcome::Failed;
   };
   try {
@@ -401,9 +425,9 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
       --iterations_;
       return outcome;
     }
-    const double before = workOf(forces.internal, change.joined);
     feti::TornVector answer;
-    const bool isWhole = advance(change, answer, forces);
+    double stiffness = 0.0;
+    const bool isWhole = advance(change, answer, forces, stiffness);
     if (!failure_.empty())
       return Outcome::Failed;
     progress_.scale = scaleOf(answer, forces.energy);
@@ -411,8 +435,6 @@ EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, R
     if (isWhole && change.merit <= context_.options.tolerance * progress_.scale &&
         hasConverged(time, answer, forces, change, log, monitor))
       return failure_.empty() ? Outcome::Converged : Outcome::Failed;
-    const double stiffness =
-        (workOf(forces.internal, change.joined) - before) / (change.merit * change.merit);
     const bool isWrong = isWhole && std::abs(stiffness - 1.0) > wrong,
                isSlow = iterations_ > progress_.before + 1 && change.merit > contraction * progress_.last;
     progress_.isSlow = (isSlow && isWrong) || stiffness > stiffening;
@@ -442,8 +464,7 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   if (!failure_.empty())
     return true;
   trial_.displacement = answer;
-  for (std::size_t i = 0; i < base_.yields.size(); ++i) // begin() makes their tangents anew
-    base_.yields[i] = base_.yields[i] != 0 || forces.yields[i] != 0 ? 1 : 0;
+  tangent_.noteYielding(forces.yields);
   trial_.energy = forces.energy;
   trial_.dissipated = forces.dissipated;
   trial_.states = bodies_.statesAfter(answer, time);
@@ -580,23 +601,6 @@ void EquilibriumLoop::exchangeStates(TornArchive& torn) {
   bodies_.setStates(std::move(states));
 }
 
-// Which tangents there are; reading, they are made.
-void EquilibriumLoop::exchangeBase(TornArchive& torn, bool isReading) {
-  feti::TornVector marks;
-  for (std::size_t i = 0; i < base_.isMade.size(); ++i)
-    marks.push_back(
-        {static_cast<double>(base_.isMade[i]), static_cast<double>(base_.yields[i]), base_.times[i]});
-  torn.exchangeNumbers("tangents made", marks);
-  if (!isReading)
-    return;
-  for (std::size_t i = 0; i < marks.size(); ++i) {
-    base_.isMade[i] = marks[i][0] != 0.0 ? 1 : 0;
-    base_.yields[i] = marks[i][1] != 0.0 ? 1 : 0;
-    base_.times[i] = marks[i][2];
-  }
-  bodies_.makeTangent(base_.displacement, base_.times, base_.isMade, base_.tangent);
-}
-
 void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWithinStep) {
   TornArchive torn(archive, run_.pipeline().system());
   const feti::Constraints& constraints = *run_.pipeline().constraints();
@@ -613,8 +617,7 @@ void EquilibriumLoop::exchange(qp::StateArchive<MultiVector>& archive, bool isWi
   archive.number("loads follow", follows);
   if (follows)
     torn.exchange("following loads", committed_.following);
-  torn.exchange("displacement of the tangent", base_.displacement);
-  exchangeBase(torn, archive.isReading());
+  tangent_.exchange(torn, archive.isReading());
   if (!isWithinStep)
     return;
   archive.number("time of the iteration", trial_.time);

@@ -6,6 +6,7 @@
 #include "Harmos_CarriedForces.hpp"
 #include "Harmos_DeformedBodies.hpp"
 #include "Harmos_PointSlips.hpp"
+#include "Harmos_RenewedTangent.hpp"
 #include "Harmos_RunStages.hpp"
 #include "Harmos_TornArchive.hpp"
 
@@ -67,14 +68,6 @@ class EquilibriumLoop {
 
  private:
   using Loads = Balance::Loads;
-  // Where the tangent was made: it turns with the bodies until it is made anew.
-  struct Base {
-    feti::TornVector displacement;
-    DeformedBodies::Tangent tangent;
-    // Of each subdomain: not as at rest; as it goes on yielding; of which temperatures.
-    std::vector<char> isMade, yields;
-    std::vector<double> times;
-  };
   // What u is in, or was.
   struct State {
     feti::TornVector displacement;
@@ -108,9 +101,12 @@ class EquilibriumLoop {
   Outcome solveProblem(const Log& log, RunMonitor& monitor, Change& change);
   Outcome solveTo(const std::optional<feti::WarmStart>& start, const Log& log, RunMonitor& monitor,
                   Change& change);
+  double forcing(double merit) const;
   Outcome solveOnce(const feti::WarmStart* start, const Log& log, RunMonitor& monitor,
                     feti::DualSolution& solution);
-  bool advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces);
+  bool advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces,
+               double& stiffness);
+  bool isShortened(const std::function<bool(double)>& go, double& stiffness) const;
   feti::TornVector image(const feti::TornVector& change) const;
   double meritOf(const feti::TornVector& change) const;
   bool hasConverged(double time, const feti::TornVector& answer, const DeformedBodies::Forces& forces,
@@ -122,12 +118,10 @@ class EquilibriumLoop {
   feti::TornVector wholeStiffness(const feti::TornVector& answer, const feti::TornVector& motion,
                                   double share) const;
   void exchangeStates(TornArchive& torn);
-  void exchangeBase(TornArchive& torn, bool isReading);
   double workOf(const feti::TornVector& forces, const feti::TornVector& displacement) const;
   double weighed(const feti::TornVector& values) const;
   double scaleOf(const feti::TornVector& answer, double energy) const;
   bool isStuck(double merit);
-  void rebase(const State& state, const std::vector<char>& which);
   std::vector<std::optional<feti::Frame>> frames() const;
   void tell(double merit) const;
   void moveOn(const feti::TornVector& answer, bool isWhole, DeformedBodies::Forces& forces);
@@ -146,7 +140,7 @@ class EquilibriumLoop {
   } norm_;
   AndersonMixing mixing_;
   State committed_, trial_;
-  Base base_;
+  RenewedTangent tangent_;
   Loads posed_; // of the problem that was posed last
   Progress progress_;
   double work_ = 0.0; // of following loads and temperatures
