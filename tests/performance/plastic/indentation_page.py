@@ -6,20 +6,20 @@ import textwrap
 HEAD = """# A ball pressed into metal, beside deal.II
 
 This page compares Harmos with [step-42](https://github.com/dealii/dealii/blob/master/examples/step-42/doc/intro.dox),
-the tutorial of deal.II for contact of an elastoplastic body (Frohne, Heister, Bangerth, Int. J. Numer. Meth. Engng. 105,
-2016). A rigid ball is pressed 0.01 deep into a cube of side 1, whose sides a mould keeps from moving outwards.
-E = 200 000, ν = 0.3; linear isotropic hardening.
+the tutorial of deal.II for contact of an elastoplastic body (Frohne, Heister, Bangerth, Int. J. Numer. Meth. Engng.
+105, 2016). A rigid ball is pressed 0.01 deep into a cube of side 1, whose sides a mould keeps from moving outwards. E
+= 200 000, ν = 0.3; linear isotropic hardening.
 
-**The same problem.** Both solve it in one step from rest, with trilinear hexahedra and without B-bar. The tutorial's law
-of total strains is the return of plastic flow then. On 8³ cells, where one node is in contact, the tutorial's documentation
-gives the force 37.3058: Harmos' is 37.305781. On 16³ cells, with the nine nodes in contact put where the tutorial puts
-them, both have 62.3128 (`tests/verification/physics/test_plasticity.py`).
+**The same problem.** Both solve it in one step from rest, with trilinear hexahedra and without B-bar. The tutorial's
+law of total strains is the return of plastic flow then. On 8³ cells, where one node is in contact, the tutorial's
+documentation gives the force 37.3058: Harmos' is 37.305781. On 16³ cells, with the nine nodes in contact put where
+the tutorial puts them, both have 62.3128 (`tests/verification/physics/test_plasticity.py`).
 
-**What differs.** The tutorial's ball keeps nodes out along z, Harmos' along the normal of the ball, without friction: it
-presses material outwards. The difference grows with the slope of the ball where it touches, and decreases with the radius.
-The tutorial solves until residuals are below 1e-10, by multigrid and BiCGStab on one matrix; Harmos to a change of 1e-6 in
-the energy norm, with an audit. The tutorial starts with two elastic iterations on each mesh. It can refine meshes where
-the error is: Harmos cannot yet.
+**What differs.** The tutorial's ball keeps nodes out along z, Harmos' along the normal of the ball, without friction:
+it presses material outwards. The difference grows with the slope of the ball where it touches, and decreases with the
+radius. The tutorial solves until residuals are below 1e-10, by multigrid and BiCGStab on one matrix; Harmos to a
+change of 1e-6 in the energy norm, with an audit. The tutorial starts with two elastic iterations on each mesh. It can
+refine meshes where the error is: Harmos cannot yet.
 """
 
 
@@ -46,7 +46,7 @@ def page(document):
         )
     lines.append("\n" + wrapped(
         "The tutorial's documentation has, of 16 cores of another machine and years ago: 1.13 s for 8³ cells, and 38.4 s for "
-        "52 497 unknowns of a mesh that was refined three times where the error is, with a force of 56.794."
+        "52497 unknowns of a mesh that was refined three times where the error is, with a force of 56.794."
     ))
     lines.append("## Force over depth\n")
     lines.append(f"{document['curve_cells']}³ cells, radius {document['curve_radius']:g}.\n")
