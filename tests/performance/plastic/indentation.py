@@ -23,7 +23,7 @@ from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 TESTS = HERE.parents[1]
-sys.path[:0] = [str(HERE), str(HERE.parent), str(TESTS / "support"), str(TESTS / "support/problems")]
+sys.path[:0] = [str(HERE), str(HERE.parent), str(TESTS / "support"), str(TESTS / "verification/physics")]
 sys.path.append(str(TESTS / "verification/finite"))
 
 import harmos_measure  # noqa: E402

@@ -35,14 +35,14 @@ def page(document):
         f"each, whole runs in turns, medians of {document['repetitions']}. Seconds of the tutorial include its output, as "
         "those of Harmos do."
     ))
-    lines.append("| Radius | Cells | Unknowns | Force, step-42 | Force, Harmos | Iterations of Newton: step-42, Harmos | "
-                 "Applications of F | Seconds, step-42 | Seconds, Harmos |")
-    lines.append("|---|---|---|---|---|---|---|---|---|")
+    lines.append("In each cell step-42 first, then Harmos; Newton: its iterations; F: applications of F by Harmos.\n")
+    lines.append("| Radius | Cells | Unknowns | Forces | Newton | F | Seconds |")
+    lines.append("|---|---|---|---|---|---|---|")
     for entry in document["runs"]:
         theirs, ours = entry["tutorial"], entry["harmos"]
         lines.append(
-            f"| {entry['radius']:g} | {entry['cells']}³ | {theirs['unknowns']} | {theirs['force']:g} | {ours['force']:.6g} | "
-            f"{theirs['newton']}, {ours['newton']:g} | {ours['products']} | {theirs['seconds']:.3g} | {ours['seconds']:.3g} |"
+            f"| {entry['radius']:g} | {entry['cells']}³ | {theirs['unknowns']} | {theirs['force']:g}, {ours['force']:.6g} | "
+            f"{theirs['newton']}, {ours['newton']:g} | {ours['products']} | {theirs['seconds']:.3g}, {ours['seconds']:.3g} |"
         )
     lines.append("\n" + wrapped(
         "The tutorial's documentation has, of 16 cores of another machine and years ago: 1.13 s for 8³ cells, and 38.4 s for "

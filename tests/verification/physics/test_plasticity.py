@@ -15,7 +15,7 @@ import unittest
 from pathlib import Path
 
 TESTS = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(TESTS / "support"), str(TESTS / "support/problems"), str(TESTS / "verification/finite")]
+sys.path[:0] = [str(TESTS / "support"), str(TESTS / "verification/physics"), str(TESTS / "verification/finite")]
 
 import harmos_runs as runs  # noqa: E402
 import step42  # noqa: E402
