@@ -121,6 +121,7 @@ fem::Material materialFrom(const ParameterList& list) {
       material = material.turnedTo(directionIn(list, "Axis 1"), directionIn(list, "Axis 2"));
   }
   material.expansion = triple<double>(list, "Thermal expansion");
+  material.density = list.get<double>("Density");
   material.plasticity = plasticityFrom(list);
   return material;
 }
@@ -539,6 +540,8 @@ void addMaterials(ParameterSpec& deck) {
   material.real("Angle", 0.0, Range(), "Not isotropic: angle from x to axis 1, about z, in degrees.");
   material.reals("Thermal expansion", {0.0, 0.0, 0.0}, Range(),
                  "Strain per degree along the axes 1, 2, 3 (isotropic: x, y, z).");
+  material.real("Density", 0.0, Range::atLeast(0.0),
+                "Mass per volume. Required with \"Steps/Time integration\" = \"Newmark\".");
   material.expert().series(
       "Stiffness", Range(),
       "Anisotropic: 21 moduli, force per area: C_11, C_12, C_22, C_13, ..., the columns of the upper "

@@ -50,6 +50,7 @@ struct Material {
   std::optional<VoigtMatrix> coupled = std::nullopt;
   Law law = Law::Linear; ///< neo-Hookean: of isotropic materials
   std::optional<Plasticity> plasticity = std::nullopt;
+  double density = 0.0; ///< mass per volume; 0: not given
 
   static Material isotropic(double young, double poisson);
   /// @param stiffness C, symmetric. Moduli and Poisson's ratios are those of its inverse.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DeformedBodies.hpp"
 
+#include "Harmos_CopiesOfNodes.hpp"
+
 #include "Harmos_Agreement.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_Exchange.hpp"
@@ -242,43 +244,7 @@ std::vector<std::optional<feti::Frame>> DeformedBodies::frames(const feti::TornV
 }
 
 double DeformedBodies::joinCopies(feti::TornVector& displacement) const {
-  struct Copies {
-    std::array<double, 3> sum;
-    double count;
-  };
-  const auto components = static_cast<std::size_t>(scene_.components());
-  const auto visit = [&](const auto& take) {
-    for (std::size_t i = 0; i < atRest_.size(); ++i) {
-      const fem::PlacedMesh& placed = atRest_[i].mesh;
-      for (std::size_t b = 0; b < placed.boundaryNumbers.size(); ++b)
-        take(placed.boundaryNumbers[b],
-             displacement[i].data() + static_cast<std::size_t>(placed.mesh->boundary[b]) * components);
-    }
-  };
-  std::vector<std::pair<long long, Copies>> known;
-  std::vector<long long> asked;
-  visit([&](long long number, const double* values) {
-    Copies copy = {{}, 1.0};
-    std::copy_n(values, components, copy.sum.begin());
-    known.emplace_back(number, copy);
-    asked.push_back(number);
-  });
-  const auto means = lookUpMerged(comm_, known, asked, [](Copies& present, const Copies& next) {
-    for (std::size_t d = 0; d < 3; ++d)
-      present.sum[d] += next.sum[d];
-    present.count += next.count;
-  });
-  double largest = 0.0;
-  std::size_t place = 0;
-  visit([&](long long, double* values) {
-    const Copies& copies = *means[place++];
-    for (std::size_t d = 0; d < components && copies.count > 1.0; ++d) {
-      const double mean = copies.sum[d] / copies.count;
-      largest = std::max(largest, std::abs(values[d] - mean));
-      values[d] = mean;
-    }
-  });
-  return globalMax(comm_, largest);
+  return scene::joinCopies(comm_, scene_.components(), atRest_, displacement);
 }
 
 fem::Point DeformedBodies::placeOfLargest(const feti::TornVector& motion) const {

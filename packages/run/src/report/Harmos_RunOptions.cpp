@@ -33,8 +33,10 @@ void RunOptions::addTo(ParameterSpec& deck) {
       "one outer iteration.");
   checkpoint.real("Minutes", CheckpointOptions().minutes, Range::atLeast(0.0),
                   "Minutes from one to the next; 0: no such rule.");
-  checkpoint.integer("Steps", CheckpointOptions().steps, 0, 1000000000,
-                     "Steps from one to the next, in a run with several; 0: no such rule.");
+  checkpoint.integer(
+      "Steps", CheckpointOptions().steps, 0, 1000000000,
+      "Steps from one to the next, in a run with several; 0: no such rule. Transient runs leave out "
+      "those that would make checkpoints take more than a tenth of the seconds.");
   output.list(std::move(checkpoint));
   output.expert().boolean("Rank diagnostics", false,
                           "Write ranks.csv: host, subdomains, memory and seconds of each rank.");

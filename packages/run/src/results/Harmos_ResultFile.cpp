@@ -49,8 +49,8 @@ io::VtkParts partsOf(const Owned& owned) {
 
 // What writeFields() and writeCellData() write.
 long long bytesOf(const Owned& owned, const ResultFields& fields) {
-  const int width = (fields.components == 1 ? 1 : 3) + (fields.stress != nullptr ? 7 : 0) +
-                    (fields.plasticStrain != nullptr ? 1 : 0);
+  const int width = (fields.components == 1 ? 1 : 3) + (fields.velocity != nullptr ? 3 : 0) +
+                    (fields.stress != nullptr ? 7 : 0) + (fields.plasticStrain != nullptr ? 1 : 0);
   const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0) +
                             (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0) +
                             (fields.contact != nullptr && !fields.contact->damage.empty() ? 57 : 0);
@@ -158,6 +158,8 @@ void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
   writeCells(file, owned);
   file.pointData("displacement", vectors(*fields.displacement, fields.components),
                  fields.components == 1 ? 1 : 3);
+  if (fields.velocity != nullptr)
+    file.pointData("velocity", vectors(*fields.velocity, fields.components), 3);
   if (fields.stress != nullptr)
     writeStress(file, *fields.stress);
   if (fields.plasticStrain != nullptr)

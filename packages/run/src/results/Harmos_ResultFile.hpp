@@ -14,6 +14,7 @@ namespace Harmos::run {
 /// What is drawn: values at the nodes of this rank's subdomains.
 struct ResultFields {
   const feti::TornVector* displacement = nullptr;
+  const feti::TornVector* velocity = nullptr;                       ///< null: none
   int components = 1;                                               ///< of the displacement at a node
   const std::vector<std::vector<fem::Voigt>>* stress = nullptr;     ///< null: none
   const std::vector<std::vector<double>>* plasticStrain = nullptr;  ///< equivalent; null: none
@@ -25,11 +26,11 @@ struct ResultFields {
 /// Writes the result for ParaView by io::VtkHdfWriter, one part a subdomain: the file does not depend on the
 /// number of ranks.
 ///
-/// Point data: displacement (a scalar for membranes, else a vector); stress (xx, yy, zz, xy, yz, xz) and
-/// von_mises; where materials yield equivalent_plastic_strain; with contact also contact_pressure, gap,
-/// active_set; with friction also friction_traction, slip (vectors), friction_state; with adhesion also bound
-/// (1 where it acts), damage, jump, interface_traction (vectors). Cell data: subdomain, body, region, and on
-/// request cell_stress.
+/// Point data: displacement (a scalar for membranes, else a vector); of transient runs velocity; stress (xx,
+/// yy, zz, xy, yz, xz) and von_mises; where materials yield equivalent_plastic_strain; with contact also
+/// contact_pressure, gap, active_set; with friction also friction_traction, slip (vectors), friction_state;
+/// with adhesion also bound (1 where it acts), damage, jump, interface_traction (vectors). Cell data:
+/// subdomain, body, region, and on request cell_stress.
 ///
 /// Arrays are made when they are written and then let go of: cells with their types and offsets, stresses
 /// with those of von Mises, all else one by one.

@@ -51,7 +51,8 @@ RunStages::RunStages(const RunContext& context)
       costs_(context.scene),
       time_(context.scene.timeline.ends().front()) {}
 
-void RunStages::setUp() {
+void RunStages::setUp(Motion* motion) {
+  motion_ = motion;
   context_.report.restartedFrom = directory_.restartedFrom();
   directory_.checkDeck();
   context_.scene.timeline.check(context_.scene.effects);
@@ -117,7 +118,7 @@ StepRow RunStages::onlyStep() {
   }
   StepRow row = stepRow(context_.report, *energy);
   row.time = time_;
-  tellFurther(context_.scene, row);
+  tellFurther(context_.scene, nullptr, row);
   return row;
 }
 
@@ -203,6 +204,8 @@ feti::SubdomainSystem RunStages::assemble() {
     subdomains = scene::assemble(context_.scene, owned_, costs_);
     if (context_.scene.isFinite())
       reserve(context_.scene, owned_, subdomains);
+    if (motion_ != nullptr)
+      motion_->addMasses(owned_, subdomains, context_.scene.timeline.ends().front());
   });
   return {context_.comm, std::move(subdomains), dirichletForm(context_.scene, context_.options)};
 }
@@ -509,7 +512,14 @@ void RunStages::recover() {
   const auto scope = context_.timers.scope("recovery");
   tellContact(torn_);
   reactions_ = feti::reactions(pipeline_->system(), *pipeline_->constraints(), torn_);
-  tellForces(torn_, nullptr);
+  if (motion_ == nullptr) {
+    tellForces(torn_, nullptr);
+    return;
+  }
+  motion_->reach(torn_.displacement);
+  context_.report.audit.energy = motion_->lagrangian(context_.report.audit.energy);
+  const Motion::Loads loads = motion_->loadsAndInertia();
+  tellForces(torn_, &loads);
 }
 
 // Of rows, by a solution of the problem as it is.
@@ -625,6 +635,8 @@ void RunStages::writeFields(const std::string& file) {
   ResultFields fields;
   fields.displacement = &torn_.displacement;
   fields.components = context_.scene.components();
+  if (motion_ != nullptr)
+    fields.velocity = &motion_->velocities();
   RecoveredStress recovered;
   std::vector<std::vector<fem::Voigt>> cellStress;
   if (context_.options.writeStresses && isElastic()) {

@@ -5,6 +5,7 @@
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_DeformedBodies.hpp"
 #include "Harmos_IncrementSolver.hpp"
+#include "Harmos_Motion.hpp"
 #include "Harmos_MovedBonds.hpp"
 #include "Harmos_RunContext.hpp"
 #include "Harmos_RunDirectory.hpp"
@@ -41,8 +42,9 @@ class RunStages : private feti::PipelineObserver {
   /// All of them, once: a static state.
   Solution goOnce();
 
-  /// From the meshes to the dual problem of the first step.
-  void setUp();
+  /// From the meshes to the dual problem of the first step. @param motion of a transient run, to outlive
+  /// this.
+  void setUp(Motion* motion = nullptr);
   /// Loads, prescribed values and bounds of another time, by subdomain and row as the system and the
   /// constraints take them; the dual problem is made anew.
   struct Data {
@@ -158,6 +160,7 @@ class RunStages : private feti::PipelineObserver {
   DeformedBodies::States materials_;           // their states, of those that have any
   std::vector<double> slipsBefore_;            // of limited rows, when the step began; none: zeros
   double time_;                                // of loads and bounds
+  Motion* motion_ = nullptr;
 };
 
 } // namespace Harmos::run

@@ -20,6 +20,12 @@ constexpr int mostUpdates = 100;
 // Where less than this of what may break in a step did, one of twice the length is tried.
 constexpr double calm = 0.2;
 
+using TornLoads = Motion::Loads;
+
+double secondsSince(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
 std::string timeText(double time) {
   std::ostringstream text;
   text << std::setprecision(6) << time;
@@ -49,7 +55,9 @@ Solution StepSequence::go() {
 }
 
 void StepSequence::begin() {
-  run_.setUp();
+  if (context_.scene.isTransient())
+    motion_.emplace(*context_.comm, context_.scene);
+  run_.setUp(motion_ ? &*motion_ : nullptr);
   if (context_.scene.iterates())
     equilibrium_.emplace(context_, run_);
   // Where the loop finds equilibrium slips are its own, and points of contact may change.
@@ -65,6 +73,10 @@ void StepSequence::begin() {
                   run_.contact().limitedRows > 0 ||
                       (context_.scene.iterates() && context_.scene.hasInterfaceLaws()),
                   context_.scene.breaks());
+  if (motion_) {
+    motion_->begin(run_.loads().loads(0.0));
+    energy_->beginWith(run_.loads().factors(0.0));
+  }
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
   if (hasSteps())
@@ -159,8 +171,13 @@ void StepSequence::prepare(double time) {
   bounds_->moving.move(rows, time);
   if (changesBounds)
     bounds_->locks.apply(run_.contact(), rows, time);
-  run_.prepare({time, run_.loads().loads(time), prescribesMotion_ ? &prescribed : nullptr,
-                changesBounds ? &rows : nullptr});
+  TornLoads loads = run_.loads().loads(time);
+  if (motion_) {
+    if (const auto matrices = motion_->matricesOf(time - clock_.from()))
+      run_.pipeline().setMatrices(*matrices);
+    loads = motion_->pose(loads);
+  }
+  run_.prepare({time, loads, prescribesMotion_ ? &prescribed : nullptr, changesBounds ? &rows : nullptr});
 }
 
 // Of the factors of loads in the step, in terms of what it was in the last one: they go on as they did, slow
@@ -280,7 +297,11 @@ StepSequence::Outcome StepSequence::accept() {
     row.newton = equilibrium_->iterations();
     row.factorisations = context_.report.factorisations - attempt_.factorisationsBefore;
   }
-  tellFurther(context_.scene, row);
+  if (motion_) {
+    row.kinetic = motion_->kineticEnergy();
+    row.momentum = motion_->momentum();
+  }
+  tellFurther(context_.scene, done_.rows.empty() ? nullptr : &done_.rows.back(), row);
   row.products = attempt_.counters.hessianApplications;
   row.activeSets = attempt_.counters.faces;
   const bool writes = writesFields();
@@ -295,6 +316,8 @@ StepSequence::Outcome StepSequence::accept() {
     equilibrium_->commit();
   else
     history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
+  if (motion_)
+    motion_->commit();
   const double snapped = energy_->snapped();
   states_->commit();
   if (const std::string text = bounds_->locks.commit(clock_.to(), run_.torn().displacement); !text.empty())
@@ -320,7 +343,7 @@ StepSequence::Outcome StepSequence::look(bool endsStep) {
   using Wish = RunMonitor::Wish;
   const Wish wish = watch_.monitor->askBetween();
   const int every = context_.options.checkpoint.steps;
-  const bool isDue = endsStep && every > 0 && done_.rows.back().step % every == 0;
+  const bool isDue = endsStep && every > 0 && done_.rows.back().step % every == 0 && !savingTakesLong();
   if (isDue || wish != Wish::GoOn)
     saveBetweenSteps();
   if (wish != Wish::SaveAndStop)
@@ -329,6 +352,13 @@ StepSequence::Outcome StepSequence::look(bool endsStep) {
   context_.report.result.reason = qp::Reason::Interrupted;
   context_.report.reason = qp::toString(qp::Reason::Interrupted) + ": stop requested";
   return Outcome::Interrupted;
+}
+
+// Steps of transient runs are many and short: checkpoints are to take no more than a tenth of all seconds.
+bool StepSequence::savingTakesLong() const {
+  constexpr double most = 0.1;
+  return motion_ &&
+         globalMax(*context_.comm, watch_.saving > most * secondsSince(watch_.begin) ? 1LL : 0LL) > 0;
 }
 
 bool StepSequence::writesFields() const {
@@ -374,16 +404,25 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
     work_.counters = qp::countersOf(counts);
     attempt_.counters = qp::countersOf(attempt);
     work_.iterations = qp::historyOf(table);
-    for (StepRow& row : done_.rows)
-      tellFurther(context_.scene, row);
+    const StepRow* before = nullptr;
+    for (StepRow& row : done_.rows) {
+      tellFurther(context_.scene, before, row);
+      before = &row;
+    }
   }
   history_.exchange(archive, run_.dualProblem());
   if (equilibrium_)
     equilibrium_->exchange(archive, isWithinSolve);
+  if (motion_) {
+    TornArchive torn(archive, run_.pipeline().system());
+    motion_->exchange(torn);
+  }
 }
 
 void StepSequence::saveBetweenSteps() {
+  const auto begin = std::chrono::steady_clock::now();
   watch_.monitor->saveBetween([this](Archive& archive) { exchange(archive, false); });
+  watch_.saving += secondsSince(begin);
 }
 
 // Whether there was something to go on from.
@@ -397,7 +436,8 @@ bool StepSequence::restore() {
     exchange(archive, isWithinSolve);
   });
   watch_.within = isWithinSolve ? checkpoint : nullptr;
-  if (!isWithinSolve && !equilibrium_) { // the solver would look by itself
+  // The solver would look by itself; loads of a step go on with motions.
+  if (!isWithinSolve && !equilibrium_ && !motion_) {
     prepare(done_.rows.back().time);
     requireSameProblem(*checkpoint, run_.dualProblem(), context_.report.localCondition);
   }

@@ -5,11 +5,13 @@
 #include "Harmos_EnergyAccount.hpp"
 #include "Harmos_EquilibriumLoop.hpp"
 #include "Harmos_Locks.hpp"
+#include "Harmos_Motion.hpp"
 #include "Harmos_MovingBounds.hpp"
 #include "Harmos_RunStages.hpp"
 #include "Harmos_SolutionHistory.hpp"
 #include "Harmos_StepClock.hpp"
 
+#include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
@@ -57,6 +59,7 @@ class StepSequence {
   Solution end(Outcome outcome);
   std::string placeText() const;
   bool isOutOfTime() const;
+  bool savingTakesLong() const;
   bool hasSteps() const { return context_.scene.timeline.hasSteps(); }
   std::optional<feti::WarmStart> startOfSolve() const;
   feti::WarmStart lastSolution() const;
@@ -95,6 +98,7 @@ class StepSequence {
   std::optional<Bounds> bounds_;
   std::optional<EnergyAccount> energy_;
   std::optional<EquilibriumLoop> equilibrium_; // of finite displacements
+  std::optional<Motion> motion_;               // of transient runs
   bool prescribesMotion_ = false;              // on any rank
   StepClock clock_;
   feti::SolutionHistory history_;
@@ -105,6 +109,8 @@ class StepSequence {
     Teuchos::RCP<RunMonitor> monitor; // of the last solve
     std::shared_ptr<WatchClock> clock = std::make_shared<WatchClock>();
     const CheckpointReader* within = nullptr; // a solve to go on with
+    std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+    double saving = 0.0; // seconds of checkpoints between steps
   } watch_;
 };
 

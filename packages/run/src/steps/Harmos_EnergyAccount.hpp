@@ -18,8 +18,8 @@ namespace Harmos::run {
 ///     ΔW = Σ_h ½(h₀ + h₁)(f_hᵀu₁ − f_hᵀu₀) + Σ_h ½(g_hᵀr₀ + g_hᵀr₁)(h₁ − h₀)
 ///
 /// of loads and of prescribed values with forces r on them; strains do the work −½(f_hᵀu₀ + f_hᵀu₁)(h₁ − h₀)
-/// + Δ½∫ε_T:C:ε_T. A run begins without loads: h₀ = 0. Where forces are linear in time ΔW is exact, else its
-/// error is of second order in the length of the steps.
+/// + Δ½∫ε_T:C:ε_T. A run begins without loads: h₀ = 0, but a transient one. Where forces are linear in time
+/// ΔW is exact, else its error is of second order in the length of the steps.
 ///
 /// All members are local. Guarded by tests/unit/run/test_step_sequence.cpp and
 /// tests/regression/test_steps.py.
@@ -40,6 +40,9 @@ class EnergyAccount {
   /// @param dissipates whether there is friction. @param breaks whether there is damage.
   explicit EnergyAccount(std::vector<scene::TimedLoads::Case> cases, bool dissipates = false,
                          bool breaks = false);
+
+  /// Loads have these factors when the run begins, at rest.
+  void beginWith(std::vector<double> factors) { before_.factors = std::move(factors); }
 
   /// The step from the last committed answer to this one; nothing is committed.
   void reach(Answer answer);

@@ -20,16 +20,20 @@ std::string field(const std::string& text) {
   return result + "\"";
 }
 
+const fem::Point& forceOf(const StepRow& row, const std::string& path) {
+  const auto force = std::find_if(row.forces.begin(), row.forces.end(),
+                                  [&](const Forces::Of& effect) { return effect.path == path; });
+  HARMOS_REQUIRE(force != row.forces.end(), "\"" + path + "\" exerts no force");
+  return force->resultant.force;
+}
+
 double valueOf(const scene::Scene& scene, const scene::Measure& measure, const StepRow& row) {
   if (!measure.component)
     return scene.timeline.factor(*measure.effect, row.time);
   const auto at = std::find(scene.effects.begin(), scene.effects.end(), measure.effect);
   HARMOS_REQUIRE(at != scene.effects.end(), "the measure \"" + measure.name + "\" is of no effect");
   const std::string path = scene.effectPaths()[static_cast<std::size_t>(at - scene.effects.begin())];
-  const auto force = std::find_if(row.forces.begin(), row.forces.end(),
-                                  [&](const Forces::Of& effect) { return effect.path == path; });
-  HARMOS_REQUIRE(force != row.forces.end(), "\"" + path + "\" exerts no force");
-  return force->resultant.force[*measure.component];
+  return forceOf(row, path)[*measure.component];
 }
 
 } // namespace
@@ -76,10 +80,16 @@ std::vector<std::string> furtherColumns(const scene::Scene& scene) {
     columns.push_back(measure.name);
   if (scene.iterates())
     columns.insert(columns.end(), {"newton", "factorisations"});
+  if (scene.isTransient()) {
+    columns.insert(columns.end(), {"kinetic", "momentum/x", "momentum/y", "momentum/z"});
+    for (const std::string& path : scene.contactPaths())
+      for (const char* component : {"/x", "/y", "/z"})
+        columns.push_back("impulse/" + path + component);
+  }
   return columns;
 }
 
-void tellFurther(const scene::Scene& scene, StepRow& row) {
+void tellFurther(const scene::Scene& scene, const StepRow* before, StepRow& row) {
   row.further.clear();
   const std::vector<std::string> columns = furtherColumns(scene);
   for (const std::string& name : scene.timeline.names())
@@ -89,6 +99,20 @@ void tellFurther(const scene::Scene& scene, StepRow& row) {
   if (scene.iterates()) {
     row.further.emplace_back("newton", static_cast<double>(row.newton));
     row.further.emplace_back("factorisations", static_cast<double>(row.factorisations));
+  }
+  if (scene.isTransient()) {
+    row.further.emplace_back("kinetic", row.kinetic);
+    for (std::size_t d = 0; d < 3; ++d)
+      row.further.emplace_back(std::string("momentum/") + "xyz"[d], row.momentum[d]);
+    for (const std::string& path : scene.contactPaths())
+      for (std::size_t d = 0; d < 3; ++d) {
+        const std::size_t place = row.further.size();
+        const double time = before == nullptr ? 0.0 : before->time,
+                     force = before == nullptr ? 0.0 : forceOf(*before, path)[d],
+                     impulse = before == nullptr ? 0.0 : before->further[place].second;
+        row.further.emplace_back(columns[place],
+                                 impulse + 0.5 * (row.time - time) * (force + forceOf(row, path)[d]));
+      }
   }
 }
 
@@ -116,6 +140,8 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
       values.push_back(item.second);
     values.push_back(static_cast<double>(row.newton));
     values.push_back(static_cast<double>(row.factorisations));
+    values.push_back(row.kinetic);
+    values.insert(values.end(), row.momentum.begin(), row.momentum.end());
     for (const Forces::Of& effect : row.forces)
       for (const fem::Point* vector : {&effect.resultant.force, &effect.resultant.moment})
         values.insert(values.end(), vector->begin(), vector->end());
@@ -123,7 +149,7 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
   archive.numbers("rows of steps", values);
   if (!archive.isReading())
     return;
-  const std::size_t width = StepRow().numbers().size() + 2 + 6 * paths.size();
+  const std::size_t width = StepRow().numbers().size() + 6 + 6 * paths.size();
   if (values.size() % width != 0)
     throw InputError("the steps of the checkpoint have the forces of other effects; restart with the deck of "
                      "the run that wrote it");
@@ -145,7 +171,9 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
       *counts[k] = static_cast<long long>(v[9 + k]);
     row.newton = static_cast<long long>(v[14]);
     row.factorisations = static_cast<long long>(v[15]);
-    const double* force = v + 16;
+    row.kinetic = v[16];
+    std::copy_n(v + 17, 3, row.momentum.begin());
+    const double* force = v + 20;
     for (const std::string& path : paths) {
       Forces::Of& effect = row.forces.emplace_back();
       effect.path = path;

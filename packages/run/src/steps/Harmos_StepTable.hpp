@@ -6,6 +6,7 @@
 #include "Harmos_SolverMonitor.hpp"
 #include "Harmos_Types.hpp"
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +26,8 @@ struct StepRow {
   double released = 0.0;                                                  ///< of jumps at constant load
   long long closed = 0, open = 0, sticking = 0, slipping = 0, broken = 0; ///< contact points
   long long newton = 0, factorisations = 0; ///< of finite displacements: iterations; on all ranks
+  double kinetic = 0.0;                     ///< energy, of transient runs
+  std::array<double, 3> momentum = {};      ///< of all bodies, of transient runs
   std::vector<Forces::Of> forces;
   std::vector<std::pair<std::string, double>> further; ///< see tellFurther()
 
@@ -33,10 +36,11 @@ struct StepRow {
 };
 
 /// Further columns of a scene: "history/<name>", the factor of each of the deck's histories, its measures,
-/// and "newton" and "factorisations" of finite displacements.
+/// "newton" and "factorisations" of finite displacements; of transient runs "kinetic", momenta, and
+/// "impulse/<path>" of obstacles and contacts, ∫F dt by the trapezoidal rule.
 std::vector<std::string> furtherColumns(const scene::Scene& scene);
-/// What stands there. @param row whose time and forces are known.
-void tellFurther(const scene::Scene& scene, StepRow& row);
+/// What stands there. @param before the row before, null: none. @param row whose time and forces are known.
+void tellFurther(const scene::Scene& scene, const StepRow* before, StepRow& row);
 
 /// steps.csv as text: all columns always.
 /// @param paths of the effects that exert forces, in their order. @param further columns.

@@ -125,6 +125,28 @@ void requireFinite(const Scene& scene) {
                        {{"path", "Model/Kinematics"}});
 }
 
+// What goes with inertia, and that there is any.
+void requireTransient(const Scene& scene) {
+  if (!scene.isTransient())
+    return;
+  const auto refuse = [](const std::string& what) {
+    throw InputError("\"Steps/Time integration\" = \"Newmark\" " + what,
+                     {{"path", "Steps/Time integration"}});
+  };
+  if (scene.physics == Physics::Membrane)
+    refuse("is for elastic bodies, not for membranes");
+  if (scene.isFinite())
+    refuse("does not go with \"Model/Kinematics\" = \"finite\" yet; use \"small\"");
+  if (scene.yields())
+    refuse("does not go with materials that yield yet; remove their \"Plasticity\"");
+  if (scene.breaks())
+    refuse("does not go with adhesion yet; remove it");
+  for (const Body& body : scene.bodies)
+    for (const fem::Material& material : body.materials)
+      if (!(material.density > 0.0))
+        refuse("needs the \"Density\" of each material, which body \"" + body.name + "\" lacks");
+}
+
 } // namespace
 
 void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
@@ -132,6 +154,7 @@ void checkBoundaryParts(const Teuchos::Comm<int>& comm, const Scene& scene,
   const PartNames names = gatherPartNames(comm, scene.bodies.size(), owned);
   // From here on every rank has the same data and meets the same errors.
   requireFinite(scene);
+  requireTransient(scene);
   for (const auto& effect : scene.effects) {
     for (int body : effect->bodies())
       requireBody(scene, body, effect->label());

@@ -184,6 +184,15 @@ std::vector<std::string> Scene::forcePaths() const {
   return paths;
 }
 
+std::vector<std::string> Scene::contactPaths() const {
+  const std::vector<std::string> all = effectPaths();
+  std::vector<std::string> paths;
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (effects[k]->givesInequalities())
+      paths.push_back(all[k]);
+  return paths;
+}
+
 fem::Point directionOf(const Scene& scene, int component) {
   fem::Point direction{};
   direction[scene.components() == 1 ? 2 : static_cast<std::size_t>(component)] = 1.0;

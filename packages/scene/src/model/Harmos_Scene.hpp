@@ -91,6 +91,8 @@ struct Scene {
   bool yields() const;
   /// Whether equilibrium is found by Newton's iterations.
   bool iterates() const { return isFinite() || yields(); }
+  /// Whether bodies have inertia.
+  bool isTransient() const { return timeline.isTransient(); }
   /// Whether it is solved step by step.
   bool goesInSteps() const { return timeline.hasSteps() || breaks() || iterates(); }
   /// A body that no effect holds, but for inequalities, floats.
@@ -114,6 +116,8 @@ struct Scene {
   std::vector<std::string> effectPaths() const;
   /// Of those that exert a force.
   std::vector<std::string> forcePaths() const;
+  /// Of those that give inequalities.
+  std::vector<std::string> contactPaths() const;
 };
 
 /// A nodal field of a subdomain's mesh. @param label of the effect that asks, for the message.

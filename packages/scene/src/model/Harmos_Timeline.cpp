@@ -87,6 +87,14 @@ void Timeline::addTo(ParameterSpec& deck) {
   steps.real("Smallest step", defaultSmallest, Range::within(leastSmallest, 1.0),
              "Least part of a step, as a share of it. A step without convergence is halved, down to "
              "this part; then the run ends.");
+  steps.choice("Time integration", "static",
+               {{"static", "bodies are in equilibrium at every time"},
+                {"Newmark", "bodies have inertia, by the densities of their materials: generalised-α"}},
+               "Whether steps are of time. With inertia magnitudes without a \"History\" are constant.");
+  steps.real(
+      "Spectral radius", 1.0, Range::within(0.0, 1.0),
+      "Newmark: how much of motions that steps do not resolve stays after each: 1 keeps energy, 0 takes "
+      "all.");
   ParameterSpec histories("Histories", "Factors over time, by names of your choice.");
   ParameterSpec history("<history>",
                         "A factor over time. Piecewise linear; constant before the first time and after the "
@@ -116,6 +124,10 @@ Timeline Timeline::fromDeck(const Teuchos::ParameterList& deck) {
   Timeline timeline =
       at("Steps/Times", [&] { return Timeline(std::move(ends), steps.get<double>("Smallest step")); });
   timeline.isGiven_ = !times.empty();
+  if (steps.get<std::string>("Time integration") == "Newmark") {
+    timeline.integrate(steps.get<double>("Spectral radius"));
+    timeline.bringUp();
+  }
   const Teuchos::ParameterList& histories = steps.sublist("Histories");
   for (auto item = histories.begin(); item != histories.end(); ++item) {
     const std::string& name = histories.name(item);
@@ -169,7 +181,7 @@ std::string Timeline::historyOf(const Effect& effect) const {
   const auto found = followed_.find(&effect);
   if (found != followed_.end())
     return found->second;
-  return hasSteps() && effect.hasMagnitude() ? ramp : constant;
+  return hasSteps() && effect.hasMagnitude() && !isTransient() ? ramp : constant;
 }
 
 double Timeline::factor(const std::string& history, double time) const {

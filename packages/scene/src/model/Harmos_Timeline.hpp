@@ -5,6 +5,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,8 @@ class History {
 ///
 /// The run begins at time 0, without loads and displacements. The histories "ramp" (from 0 at the beginning
 /// to 1 at the end) and "constant" (1) are always there; an effect with a magnitude follows the first where
-/// there are several steps and the second where there is one, unless follow() says otherwise.
+/// there are several steps and the second where there is one or bodies have inertia, unless follow() says
+/// otherwise.
 ///
 /// Guarded by tests/unit/scene/test_timeline.cpp.
 class Timeline {
@@ -67,6 +69,12 @@ class Timeline {
   /// A single step is one in which loads come up, and which may be halved, not a static state.
   void bringUp() { isGiven_ = true; }
   double smallest() const { return smallest_; }
+  /// Whether bodies have inertia, and the spectral radius ρ∞ of their time integration.
+  bool isTransient() const { return spectralRadius_.has_value(); }
+  double spectralRadius() const { return spectralRadius_.value_or(1.0); }
+  /// Makes it transient. @param spectralRadius from 0 to 1: how much of motions stays that steps do not
+  /// resolve.
+  void integrate(double spectralRadius) { spectralRadius_ = spectralRadius; }
 
   /// The name of the history that an effect follows.
   std::string historyOf(const Effect& effect) const;
@@ -83,6 +91,7 @@ class Timeline {
   std::vector<double> ends_ = {1.0};
   double smallest_ = defaultSmallest;
   bool isGiven_ = false; // the times, by a deck
+  std::optional<double> spectralRadius_;
   std::map<std::string, History> histories_;
   std::map<const Effect*, std::string> followed_;
 };

@@ -1,0 +1,221 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_Motion.hpp"
+
+#include "Harmos_CopiesOfNodes.hpp"
+#include "Harmos_Exchange.hpp"
+#include "Harmos_Mass.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
+#include <utility>
+
+namespace Harmos::run {
+
+Motion::Motion(const Teuchos::Comm<int>& comm, const scene::Scene& scene)
+    : comm_(comm), scene_(scene), rule_(GeneralisedAlpha::of(scene.timeline.spectralRadius())) {}
+
+// Of surfaces that inequalities act on.
+std::vector<char> Motion::nodesInContact(const scene::OwnedSubdomain& subdomain) const {
+  std::vector<char> result(static_cast<std::size_t>(subdomain.mesh.mesh->numberOfNodes()), 0);
+  for (const auto& effect : scene_.effects)
+    if (effect->givesInequalities())
+      for (const scene::Effect::BoundaryPart& part : effect->boundaryParts())
+        if (const auto set = subdomain.mesh.sets.find(part.set);
+            part.body == subdomain.body && set != subdomain.mesh.sets.end())
+          for (int node : set->second)
+            result[static_cast<std::size_t>(node)] = 1;
+  return result;
+}
+
+void Motion::addMasses(const std::vector<scene::OwnedSubdomain>& owned,
+                       std::vector<feti::Subdomain>& subdomains, double step) {
+  owned_ = &owned;
+  step_ = step;
+  const auto components = static_cast<std::size_t>(scene_.components());
+  std::map<std::tuple<const fem::Mesh*, int, std::vector<char>>, std::vector<double>> known;
+  for (std::size_t i = 0; i < owned.size(); ++i) {
+    const scene::Body& body = scene_.bodies[static_cast<std::size_t>(owned[i].body)];
+    std::vector<char> massless = nodesInContact(owned[i]);
+    const auto [place, isNew] =
+        known.try_emplace({owned[i].mesh.mesh.get(), owned[i].body, massless}, std::vector<double>());
+    if (isNew) {
+      std::vector<double> density;
+      for (const fem::Material& material : body.materials)
+        density.push_back(material.density);
+      for (double mass : fem::lumpedMasses(*owned[i].mesh.mesh, density, massless))
+        place->second.insert(place->second.end(), components, mass);
+    }
+    masses_.push_back(place->second);
+    stiffness_.push_back(subdomains[i].stiffness);
+    isHeld_.emplace_back(masses_.back().size(), 0);
+    for (const feti::FixedDof& fixed : subdomains[i].fixed)
+      isHeld_.back()[static_cast<std::size_t>(fixed.dof)] = 1;
+  }
+  // Those of equal matrices and masses share theirs.
+  std::map<std::pair<const LocalMatrix*, std::vector<double>>, std::shared_ptr<const LocalMatrix>> made;
+  for (std::size_t i = 0; i < owned.size(); ++i) {
+    std::shared_ptr<const LocalMatrix>& matrix = made[{stiffness_[i].get(), masses_[i]}];
+    if (!matrix)
+      matrix = withMass(i);
+    subdomains[i].stiffness = matrix;
+    auto motions = std::make_shared<feti::Kernel>();
+    motions->rows = matrix->rows();
+    subdomains[i].motions = motions;
+  }
+}
+
+std::shared_ptr<const LocalMatrix> Motion::withMass(std::size_t subdomain) const {
+  auto matrix = std::make_shared<LocalMatrix>(*stiffness_[subdomain]);
+  const double factor = rule_.massFactor(step_);
+  for (std::size_t r = 0; r < masses_[subdomain].size(); ++r)
+    for (std::size_t k = matrix->offsets[r]; k < matrix->offsets[r + 1]; ++k)
+      if (matrix->columns[k] == static_cast<int>(r))
+        matrix->values[k] += factor * masses_[subdomain][r];
+  return matrix;
+}
+
+void Motion::begin(const Loads& loads) {
+  State& state = committed_;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    state.displacement.emplace_back(masses_[i].size(), 0.0);
+    state.velocity.emplace_back(masses_[i].size(), 0.0);
+    for (const auto& effect : scene_.effects)
+      if (const std::vector<int> bodies = effect->bodies();
+          std::find(bodies.begin(), bodies.end(), (*owned_)[i].body) != bodies.end())
+        effect->addVelocity(scene_, (*owned_)[i], state.velocity.back());
+    for (std::size_t k = 0; k < masses_[i].size(); ++k)
+      if (isHeld_[i][k] != 0)
+        state.velocity[i][k] = 0.0;
+  }
+  // a = (Σf)/(Σm) over copies.
+  feti::TornVector forces, masses = masses_;
+  for (const auto& load : loads)
+    forces.push_back(*load);
+  scene::addCopies(comm_, scene_.components(), *owned_, forces);
+  scene::addCopies(comm_, scene_.components(), *owned_, masses);
+  state.acceleration = forces;
+  state.inertia = forces;
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    for (std::size_t k = 0; k < forces[i].size(); ++k) {
+      double& a = state.acceleration[i][k];
+      a = isHeld_[i][k] == 0 && masses[i][k] > 0.0 ? forces[i][k] / masses[i][k] : 0.0;
+      state.inertia[i][k] = masses_[i][k] * a;
+    }
+  state.shown = state.velocity;
+  reached_ = state;
+}
+
+std::optional<std::vector<std::shared_ptr<const LocalMatrix>>> Motion::matricesOf(double step) {
+  constexpr double same = 1e-10; // rounding errors of ends of steps
+  if (std::abs(step - step_) <= same * step_)
+    return std::nullopt;
+  step_ = step;
+  std::vector<std::shared_ptr<const LocalMatrix>> matrices;
+  std::map<std::pair<const LocalMatrix*, std::vector<double>>, std::shared_ptr<const LocalMatrix>> made;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    std::shared_ptr<const LocalMatrix>& matrix = made[{stiffness_[i].get(), masses_[i]}];
+    if (!matrix)
+      matrix = withMass(i);
+    matrices.push_back(matrix);
+  }
+  return matrices;
+}
+
+Motion::Loads Motion::pose(const Loads& loads) {
+  const double c2 = 1.0 / (rule_.beta * step_ * step_), c3 = 0.5 / rule_.beta - 1.0;
+  const double share = (1.0 - rule_.alphaM) / (1.0 - rule_.alphaF);
+  Loads result;
+  for (std::size_t i = 0; i < loads.size(); ++i) {
+    auto load = std::make_shared<std::vector<double>>(*loads[i]);
+    for (std::size_t k = 0; k < load->size(); ++k) {
+      const double m = masses_[i][k], a = committed_.acceleration[i][k];
+      (*load)[k] +=
+          share * m * (c2 * (committed_.displacement[i][k] + step_ * committed_.velocity[i][k]) + c3 * a) -
+          (rule_.alphaM * m * a - rule_.alphaF * committed_.inertia[i][k]) / (1.0 - rule_.alphaF);
+    }
+    result.push_back(load);
+  }
+  loads_ = loads;
+  posed_ = result;
+  return result;
+}
+
+void Motion::reach(const feti::TornVector& displacement) {
+  const State& from = committed_;
+  const double c2 = 1.0 / (rule_.beta * step_ * step_), c3 = 0.5 / rule_.beta - 1.0;
+  State& to = reached_;
+  to.displacement = displacement;
+  scene::joinCopies(comm_, scene_.components(), *owned_, to.displacement);
+  to.velocity = to.acceleration = to.inertia = to.shown = to.displacement;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    for (std::size_t k = 0; k < masses_[i].size(); ++k) {
+      const double way = to.displacement[i][k] - from.displacement[i][k], m = masses_[i][k];
+      const double a0 = from.acceleration[i][k], v0 = from.velocity[i][k];
+      const bool hasMass = m > 0.0;
+      const double a1 = hasMass ? c2 * (way - step_ * v0) - c3 * a0 : 0.0;
+      to.acceleration[i][k] = a1;
+      to.velocity[i][k] = hasMass ? v0 + step_ * ((1.0 - rule_.gamma) * a0 + rule_.gamma * a1) : way / step_;
+      to.shown[i][k] = to.velocity[i][k];
+      to.inertia[i][k] =
+          (m * ((1.0 - rule_.alphaM) * a1 + rule_.alphaM * a0) - rule_.alphaF * from.inertia[i][k]) /
+          (1.0 - rule_.alphaF);
+    }
+}
+
+void Motion::commit() {
+  committed_ = reached_;
+}
+
+double Motion::weighed(const feti::TornVector& a, const feti::TornVector& b) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    for (std::size_t k = 0; k < masses_[i].size(); ++k)
+      sum += masses_[i][k] * a[i][k] * b[i][k];
+  return globalSum(comm_, sum);
+}
+
+double Motion::lagrangian(double ofStep) const {
+  double work = 0.0;
+  for (std::size_t i = 0; i < posed_.size(); ++i)
+    for (std::size_t k = 0; k < posed_[i]->size(); ++k)
+      work += ((*posed_[i])[k] - (*loads_[i])[k]) * reached_.displacement[i][k];
+  return ofStep - 0.5 * rule_.massFactor(step_) * weighed(reached_.displacement, reached_.displacement) +
+         globalSum(comm_, work);
+}
+
+Motion::Loads Motion::loadsAndInertia() const {
+  const double factor = rule_.massFactor(step_);
+  Loads result;
+  for (std::size_t i = 0; i < posed_.size(); ++i) {
+    auto load = std::make_shared<std::vector<double>>(*posed_[i]);
+    for (std::size_t k = 0; k < load->size(); ++k)
+      (*load)[k] -= factor * masses_[i][k] * reached_.displacement[i][k];
+    result.push_back(load);
+  }
+  return result;
+}
+
+double Motion::kineticEnergy() const {
+  return 0.5 * weighed(reached_.velocity, reached_.velocity);
+}
+
+std::array<double, 3> Motion::momentum() const {
+  std::vector<double> sums(3, 0.0);
+  const auto components = static_cast<std::size_t>(scene_.components());
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    for (std::size_t k = 0; k < masses_[i].size(); ++k)
+      sums[k % components] += masses_[i][k] * reached_.velocity[i][k];
+  globalSum(comm_, sums);
+  return {sums[0], sums[1], sums[2]};
+}
+
+void Motion::exchange(TornArchive& torn) {
+  torn.exchange("moved", committed_.displacement);
+  torn.exchange("velocities", committed_.velocity);
+  torn.exchange("accelerations", committed_.acceleration);
+  torn.exchange("forces of inertia", committed_.inertia);
+}
+
+} // namespace Harmos::run

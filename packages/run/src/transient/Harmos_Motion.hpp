@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_GeneralisedAlpha.hpp"
+#include "Harmos_Scene.hpp"
+#include "Harmos_SubdomainSystem.hpp"
+#include "Harmos_TornArchive.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace Harmos::run {
+
+/// Bodies in motion: velocities, accelerations and forces of inertia of a transient run, from step to step. A
+/// step is the quadratic program of a static one,
+///
+///     min ½uᵀ(K + κM)u − f̂ᵀu   over   B_I u ≤ c_I,  B_E u = c_E,
+///     f̂ = f₁ + κβΔt²M(c₂(u₀ + Δt v₀) + c₃a₀) − (α_m Ma₀ − α_f i₀)/(1 − α_f),
+///
+/// c₂ = 1/(βΔt²), c₃ = 1/(2β) − 1, see GeneralisedAlpha. M is lumped, and nodes in contact are without mass
+/// (fem::lumpedMasses()). Forces of inertia i are each subdomain's own, with those of its multipliers.
+///
+/// Guarded by tests/verification/physics/test_transient.py.
+class Motion {
+ public:
+  /// Both to outlive it.
+  Motion(const Teuchos::Comm<int>& comm, const scene::Scene& scene);
+
+  /// Adds κM to the stiffness of subdomains, and takes the motions that have mass from their kernels.
+  /// @param owned to outlive this. @throws InputError for a subdomain all of whose nodes are in contact.
+  /// Local.
+  void addMasses(const std::vector<scene::OwnedSubdomain>& owned, std::vector<feti::Subdomain>& subdomains,
+                 double step);
+  /// At rest, but for initial velocities; accelerations are those of the loads. @note Collective.
+  void begin(const std::vector<std::shared_ptr<const std::vector<double>>>& loads);
+
+  /// K + κM of steps of another length than before; nothing where it is the same. Local.
+  std::optional<std::vector<std::shared_ptr<const LocalMatrix>>> matricesOf(double step);
+  using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
+  /// The step to loads f₁ begins. @return f̂. Local.
+  Loads pose(const Loads& loads);
+  /// What a step has come to; nothing is committed. @param copies of nodes in several subdomains that differ
+  /// by what the solver left are joined. @note Collective.
+  void reach(const feti::TornVector& displacement);
+  void commit();
+
+  /// ½uᵀKu − fᵀu + λᵀ(Bu − c), by that of the step's program, of what was reached. @note Collective.
+  double lagrangian(double ofStep) const;
+  /// f₁ − i₁, which Ku + Bᵀλ balances, of what was reached. Local.
+  Loads loadsAndInertia() const;
+  /// ½vᵀMv, Mv, of what was reached. @note Collective.
+  double kineticEnergy() const;
+  std::array<double, 3> momentum() const;
+  /// Of nodes without mass the mean one of the step. Of what was reached.
+  const feti::TornVector& velocities() const { return reached_.shown; }
+  /// Of each dof.
+  const feti::TornVector& masses() const { return masses_; }
+
+  /// What was committed. @note Collective.
+  void exchange(TornArchive& torn);
+
+ private:
+  struct State {
+    feti::TornVector displacement, velocity, acceleration, inertia; // M a of each subdomain: i
+    feti::TornVector shown;                                         // velocities
+  };
+  std::vector<char> nodesInContact(const scene::OwnedSubdomain& subdomain) const;
+  std::shared_ptr<const LocalMatrix> withMass(std::size_t subdomain) const;
+  double weighed(const feti::TornVector& a, const feti::TornVector& b) const;
+
+  const Teuchos::Comm<int>& comm_;
+  const scene::Scene& scene_;
+  GeneralisedAlpha rule_;
+  const std::vector<scene::OwnedSubdomain>* owned_ = nullptr;
+  feti::TornVector masses_;
+  std::vector<std::shared_ptr<const LocalMatrix>> stiffness_;
+  std::vector<std::vector<char>> isHeld_; // of each dof: values prescribed
+  double step_ = 0.0;
+  Loads loads_, posed_; // f₁, f̂
+  State committed_, reached_;
+};
+
+} // namespace Harmos::run

@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bodies in motion against closed forms: a bar that strikes a wall, two bars, Hertz' impact of a ball, vibrations by their
+modes, a block that bounces.
+
+What it guards against: masses that are lost or counted twice; another rule of time integration; loads or forces of inertia
+that are not the step's own; contact forces that ring; energy that comes from nowhere; runs that go on otherwise after a
+restart, or on other numbers of ranks.
+"""
+
+import math
+import sys
+import unittest
+from pathlib import Path
+
+TESTS = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(TESTS / "support"), str(TESTS / "verification/finite")]
+
+import harmos_runs as runs  # noqa: E402
+
+try:
+    import numpy as np
+    from finite_scenes import block, deck, field, geometry, steps_of
+except ImportError as error:
+    runs.skip(f"{error.name} is not installed")
+
+# Of bars of unit length, modulus and density, whose waves have unit speed.
+SPEED, HEIGHT = 0.01, 0.1
+MASS = HEIGHT
+STEEL = {"Young's modulus": 1.0, "Poisson's ratio": 0.0, "Density": 1.0}
+
+
+def fitted(sizes, errors):
+    return np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+
+
+def steps(end, number, radius, **more):
+    return {"Number": number, "End time": end, "Time integration": "Newmark", "Spectral radius": radius} | more
+
+
+def scene(bodies, effects, times, tolerance=1e-8):
+    return {
+        "Model": {"Physics": "plane stress"}, "Materials": {"m": STEEL}, "Bodies": bodies, "Steps": times,
+        "Solver": {"Tolerance": tolerance}, "Output": {"Every": 1000000}, "Effects": effects,
+    }
+
+
+def bar(cells, left=0.0, parts=4):
+    return block([left, 0.0], [1.0, HEIGHT], [parts, 1], [cells // parts, 1], "Q1", "m")
+
+
+WALL = {"wall": {"Part": "bar/left", "Direction": [1.0, 0.0, 0.0]}}
+
+
+def moving(body, speed):
+    return {"v": {"Body": body, "Velocity": [speed, 0.0, 0.0]}}
+
+
+def columns(run):
+    rows = steps_of(run.directory)
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+
+
+class Bar(unittest.TestCase):
+    """With velocity −v against a wall: contact until 2L/c with the force ρcvA, then v. Waves of steps are wider on coarse
+    meshes: what is lost and the velocity of the rebound are compared on four."""
+
+    def go(self, cells, ranks=2, radius=0.8, steps_a_cell=1.0, end=3.0):
+        tree = scene({"bar": bar(cells)}, {"Obstacle": WALL, "Initial velocity": moving("bar", -SPEED)},
+                     steps(end, round(end * cells * steps_a_cell), radius))
+        return runs.solved(self, deck(tree), np=ranks, program="harmos")
+
+    def test_rebound(self):
+        energy, rebound, meshes = [], [], (32, 64, 128, 256)
+        for cells in meshes:
+            table = columns(self.go(cells))
+            time, force = table["time"], table["Obstacle/wall/fx"] / (SPEED * HEIGHT)
+            cell = 1.0 / cells
+            self.assertLess(abs(time[force > 0.01].max() - 2.0), 2.01 * cell)
+            # From seven cells' time on, and before the wave that ends it comes.
+            steady = (time > 7.0 * cell) & (time < 2.0 - 12.0 * cell ** (2.0 / 3.0) / 2.0)
+            self.assertTrue(steady.sum() > cells / 2)
+            self.assertLess(np.abs(force[steady] - 1.0).max(), 0.05)
+            all_of = table["kinetic"] + table["energy"]
+            energy.append(1.0 - all_of[-1] / (0.5 * MASS * SPEED**2))
+            rebound.append(1.0 - table["momentum/x"][-1] / (MASS * SPEED))
+            # What the wall gave is what the bar has more.
+            gained = table["momentum/x"] + MASS * SPEED
+            self.assertLess(np.abs(table["impulse/Obstacle/wall/x"] - gained).max(), 0.005 * MASS * SPEED)
+        runs.table("Bar against a wall", ("cells", "energy lost", "velocity lost"),
+                   [(n, f"{e:.2e}", f"{r:.2e}") for n, e, r in zip(meshes, energy, rebound)])
+        self.assertTrue(0.0 < energy[-1] < 0.01, energy)
+        self.assertTrue(0.0 < rebound[-1] < 0.01, rebound)
+        self.assertTrue(0.4 < -fitted(meshes, rebound) < 1.0, rebound)  # widths of fronts: as the power 2/3
+
+    def test_energy_is_kept(self):
+        """By the trapezoidal rule, while contact lasts: to the solver's tolerance. Impulses are exact, too."""
+        table = columns(self.go(32, radius=1.0, end=1.5))
+        all_of = (table["kinetic"] + table["energy"]) / (0.5 * MASS * SPEED**2)
+        self.assertLess(np.abs(all_of - 1.0).max(), 1e-6)
+        gained = table["momentum/x"] + MASS * SPEED
+        self.assertLess(np.abs(table["impulse/Obstacle/wall/x"] - gained).max(), 1e-6 * MASS * SPEED)
+
+    def test_ranks(self):
+        tables = [columns(self.go(32, ranks)) for ranks in (1, 2, 4)]
+        for table in tables[1:]:
+            for name, scale in (("kinetic", MASS * SPEED**2), ("momentum/x", MASS * SPEED), ("Obstacle/wall/fx", MASS * SPEED)):
+                self.assertLess(np.abs(table[name] - tables[0][name]).max(), 1e-6 * scale, name)
+
+    def test_two_bars(self):
+        """Of equal bars one strikes, and the other leaves with its velocity."""
+        cells = 128
+        bodies = {"struck": bar(cells, -1.0), "bar": bar(cells)}
+        contact = {"joint": {"First": "struck/right", "Second": "bar/left"}}
+        tree = scene(bodies, {"Contact": contact, "Initial velocity": moving("bar", -SPEED)}, steps(3.0, 3 * cells, 0.8))
+        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        table = columns(run)
+        force = np.abs(table["Contact/joint/fx"]) / (0.5 * SPEED * HEIGHT)
+        self.assertLess(abs(table["time"][force > 0.01].max() - 2.0), 1.5 / cells)
+        self.assertLess(np.abs(table["momentum/x"] / (-MASS * SPEED) - 1.0).max(), 1e-6)
+        x, velocity, _ = field(run.directory, "velocity")
+        left = velocity[x[:, 0] < -0.5 - 1e-9, 0].mean(), velocity[x[:, 0] > 0.5 + 1e-9, 0].mean()
+        _, moved, _ = field(run.directory, "displacement")
+        apart = moved[x[:, 0] > 1.0 - 1e-9, 0].mean() - moved[x[:, 0] < -1.0 + 1e-9, 0].mean()
+        # Each bar's end: the struck one leaves with v for t − 1 of its own time; the other one stays.
+        self.assertLess(abs(apart / (SPEED * 1.0) - 1.0), 0.05, left)
+
+
+class Rates(unittest.TestCase):
+    """Of a bar, against the same mesh in exact time."""
+
+    FEW, CELLS = 4, 16 # few: steps resolve all modes
+
+    def chain(self, n, massless):
+        """Stiffness and masses of the bar, per unit of height."""
+        stiffness = n * (2.0 * np.eye(n + 1) - np.eye(n + 1, k=1) - np.eye(n + 1, k=-1))
+        stiffness[0, 0] = stiffness[-1, -1] = n
+        masses = np.full(n + 1, 1.0 / n)
+        masses[-1] = 0.5 / n
+        masses[0] = 0.0 if massless else 0.5 / n
+        masses[1] *= 1.5 if massless else 1.0
+        return stiffness, masses
+
+    def test_vibration(self):
+        """Clamped, under a traction that rises with time: u = Σ φ_k f_k (t − sin ω_k t/ω_k)/ω_k². Second order."""
+        stiffness, masses = self.chain(self.FEW, False)
+        stiffness, masses = stiffness[1:, 1:], masses[1:]
+        root = 1.0 / np.sqrt(masses)
+        squares, modes = np.linalg.eigh(root[:, None] * stiffness * root[None, :])
+        shapes, load = root[:, None] * modes, np.zeros(self.FEW)
+        load[-1] = 1.0
+        end = 3.0
+        pulse = end - np.sin(np.sqrt(squares) * end) / np.sqrt(squares)
+        exact = np.append(0.0, shapes @ (shapes.T @ load * pulse / squares))
+        effects = {
+            "Prescribed displacement": {"clamp": {"Part": "bar/left", "Displacement": [0.0, 0.0, 0.0]}},
+            "Traction": {"pull": {"Part": "bar/right", "Density": [1.0, 0.0, 0.0], "History": "rise"}},
+        }
+        for radius in (1.0, 0.5, 0.0):
+            errors, numbers = [], (48, 96, 192, 384)
+            for number in numbers:
+                times = steps(end, number, radius, Histories={"rise": {"Times": [0.0, end], "Values": [0.0, end]}})
+                run = runs.solved(self, deck(scene({"bar": bar(self.FEW)}, effects, times, 1e-11)), np=2, program="harmos")
+                x, moved, _ = field(run.directory, "displacement")
+                along = np.interp(x[:, 0], np.linspace(0.0, 1.0, self.FEW + 1), exact)
+                errors.append(np.abs(moved[:, 0] - along).max() / along.max())
+            rate = -fitted(numbers, errors)
+            self.assertTrue(1.8 < rate < 2.2, (radius, rate, errors))
+
+    def test_contact(self):
+        """Against a wall: momentum while contact lasts and the time at which it ends. First order or better."""
+        stiffness, masses = self.chain(self.CELLS, True)
+        tiny, end = 1.0 / 16384.0, 3.0
+        # Central differences; the massless node is in equilibrium: at the wall, or without force.
+        place, velocity = np.zeros(self.CELLS + 1), np.full(self.CELLS + 1, -SPEED)
+        ends = 0.0
+        for step in range(round(end / tiny)):
+            place[0] = max(0.0, place[1])
+            force = -stiffness @ place
+            velocity[1:] += tiny * force[1:] / masses[1:]
+            place[1:] += tiny * velocity[1:]
+            if place[0] == 0.0 and place[1] < 0.0:
+                ends = (step + 1) * tiny
+        momentum = masses[1:] @ velocity[1:]
+        errors, numbers = [], (48, 96, 192, 384)
+        for number in numbers:
+            tree = scene({"bar": bar(self.CELLS)}, {"Obstacle": WALL, "Initial velocity": moving("bar", -SPEED)},
+                         steps(end, number, 1.0))
+            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            errors.append(abs(table["momentum/x"][-1] / (momentum * HEIGHT) - 1.0))
+            last = table["time"][table["Obstacle/wall/fx"] > 0.0].max()
+            self.assertLess(abs(last - ends), 1.01 * end / number)
+        rate = -fitted(numbers, errors)
+        self.assertTrue(1.0 < rate < 2.6, (rate, errors))
+
+
+class Bouncing(unittest.TestCase):
+    def test_twenty(self):
+        """Under gravity, on a floor: what all impacts up to the twentieth leave is not more than what there was. Within
+        one impact the trapezoidal rule may give a little, of second order in the length of steps."""
+        fall, gravity, end = 0.02, 0.01, 50.0
+        tree = {
+            "Model": {"Physics": "plane stress"},
+            "Materials": {"m": {"Young's modulus": 1.0, "Poisson's ratio": 0.3, "Density": 1.0}},
+            "Bodies": {"block": block([0.0, fall], [0.2, 0.2], [2, 1], [2, 4], "Q1", "m")},
+            "Steps": steps(end, 5000, 0.9), "Solver": {"Tolerance": 1e-8}, "Output": {"Every": 1000000},
+            "Effects": {
+                "Obstacle": {"floor": {"Part": "block/bottom", "Direction": [0.0, 1.0, 0.0]}},
+                "Body force": {"gravity": {"Body": "block", "Density": [0.0, -gravity, 0.0]}},
+            },
+        }
+        table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+        closed = table["closed"] > 0
+        hits = np.flatnonzero(closed[1:] & ~closed[:-1]) + 1
+        self.assertGreaterEqual(len(hits), 20)
+        first = math.sqrt(2.0 * fall / gravity)
+        self.assertLess(abs(table["time"][hits[0]] / first - 1.0), 0.011)
+        # Relative to the fall's energy; the work of gravity is counted from the beginning.
+        whole = (table["kinetic"] + table["energy"] - table["external_work"]) / (0.04 * gravity * fall)
+        between = [whole[hit - 1] for hit in hits]
+        runs.table("Block that bounces", ("impacts", "largest gain", "lost", "largest gain of an impact"),
+                   [(len(hits), f"{whole.max():.1e}", f"{-whole[-1]:.1e}", f"{np.diff(between).max():.1e}")])
+        self.assertLess(whole.max(), 5e-3)
+        self.assertLess(np.diff(between).max(), 5e-3)
+        self.assertTrue(0.0 < -whole[-1] < 0.03)
+
+
+if __name__ == "__main__":
+    runs.main()
