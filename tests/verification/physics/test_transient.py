@@ -8,6 +8,8 @@ restart, or on other numbers of ranks.
 """
 
 import math
+import os
+import signal
 import sys
 import unittest
 from pathlib import Path
@@ -193,6 +195,45 @@ class Rates(unittest.TestCase):
         self.assertTrue(1.0 < rate < 2.6, (rate, errors))
 
 
+class Impact(unittest.TestCase):
+    def test_hertz(self):
+        """A ball against a rigid floor (Johnson: Contact Mechanics, 1985, 11.1): contact lasts 2.87 (m²/RE*²v)^⅕, and the
+        largest force is 4/3 E* R^½ δ^{3/2}, δ = (15mv²/16E*R^½)^⅖. Waves, which that leaves out, take as good as nothing
+        of a slow ball's energy. Radii of contact are a hundredth of the ball's: circles differ from parabolas by less."""
+        speed, poisson, ball = 1e-5, 0.3, 4.0 / 3.0 * math.pi
+        modulus = 1.0 / (1.0 - poisson**2)
+        depth = (15.0 * ball * speed**2 / (16.0 * modulus)) ** 0.4
+        lasts = 2.87 * (ball**2 / (modulus**2 * speed)) ** 0.2
+        largest = 4.0 / 3.0 * modulus * depth**1.5
+        skin = 0.08
+        mesh = geometry(f"""
+            Point(1) = {{0, 0, 0, 0.002}}; Point(2) = {{0, 1, 0, 0.15}}; Point(3) = {{1, 1, 0, 0.15}};
+            Point(4) = {{0, 2, 0, 0.15}}; Point(5) = {{{math.sin(skin)}, {1.0 - math.cos(skin)}, 0, 0.002}};
+            Circle(1) = {{1, 2, 5}}; Circle(2) = {{5, 2, 3}}; Circle(3) = {{3, 2, 4}}; Line(4) = {{4, 2}}; Line(5) = {{2, 1}};
+            Curve Loop(1) = {{1, 2, 3, 4, 5}}; Plane Surface(1) = {{1}}; Mesh.ElementOrder = 2;
+            Physical Curve("skin") = {{1}}; Physical Surface("ball") = {{1}};
+        """)
+        tree = {
+            "Model": {"Physics": "axisymmetric", "Mesh file": mesh},
+            "Materials": {"m": {"Young's modulus": 1.0, "Poisson's ratio": poisson, "Density": 1.0}},
+            "Bodies": {"ball": {"Materials": ["m"], "Subdomains": 4}},
+            "Steps": steps(1.1 * lasts, 400, 0.8), "Solver": {"Tolerance": 1e-7}, "Output": {"Every": 1000000},
+            "Effects": {
+                "Obstacle": {"floor": {"Part": "ball/skin", "Direction": [0.0, 1.0, 0.0]}},
+                "Initial velocity": {"fall": {"Body": "ball", "Velocity": [0.0, -speed, 0.0]}},
+            },
+        }
+        table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+        force = table["Obstacle/floor/fy"]
+        ended, peak = table["time"][force > 1e-6 * largest].max() / lasts, force.max() / largest
+        rebound = table["momentum/y"][-1] / (ball * speed)
+        runs.table("Ball against a floor, by Hertz", ("duration", "largest force", "rebound"),
+                   [(f"{ended:.4f}", f"{peak:.4f}", f"{rebound:.6f}")])
+        self.assertLess(abs(ended - 1.0), 0.01)
+        self.assertLess(abs(peak - 1.0), 0.01)
+        self.assertLess(abs(rebound - 1.0), 1e-3)
+
+
 class Bouncing(unittest.TestCase):
     def test_twenty(self):
         """Under gravity, on a floor: what all impacts up to the twentieth leave is not more than what there was. Within
@@ -222,6 +263,48 @@ class Bouncing(unittest.TestCase):
         self.assertLess(whole.max(), 5e-3)
         self.assertLess(np.diff(between).max(), 5e-3)
         self.assertTrue(0.0 < -whole[-1] < 0.03)
+
+
+class Restart(unittest.TestCase):
+    def test_bits(self):
+        """Stopped between two steps and gone on with, results are those of one run, bit for bit."""
+        tree = scene({"bar": bar(128)}, {"Obstacle": WALL, "Initial velocity": moving("bar", -SPEED)}, steps(1.5, 1200, 0.8))
+        path = deck(tree)
+        whole = runs.solved(self, path, np=2, program="harmos")
+        run = runs.Background(path, {}, program="harmos")
+        self.assertTrue(run.wait_until(lambda: "Step 300 of" in run.text()))
+        os.kill(run.ranks()[0], signal.SIGTERM)
+        run.end()
+        self.assertIn("--restart", run.text())
+        again = runs.start(["--restart", run.directory], 2, program="harmos")
+        self.assertEqual(again.returncode, 0, again)
+        for name in ("displacement", "velocity"):
+            self.assertTrue((field(run.directory, name)[1] == field(whole.directory, name)[1]).all(), name)
+        one, other = steps_of(whole.directory), steps_of(run.directory)
+        self.assertEqual(len(one), 1200)
+        for name in ("kinetic", "energy", "momentum/x", "impulse/Obstacle/wall/x"):
+            self.assertEqual([row[name] for row in one], [row[name] for row in other], name)
+
+
+class Refusals(unittest.TestCase):
+    """By name, with what to change."""
+
+    def test_what_lacks_or_does_not_go_with_it(self):
+        def refused(change, *words):
+            tree = scene({"bar": bar(8)}, {"Initial velocity": moving("bar", 1.0)}, steps(1.0, 2, 1.0))
+            tree["Materials"] = {"m": dict(STEEL)}
+            change(tree)
+            run = runs.start([deck(tree)], 2, program="harmos")
+            self.assertNotEqual(run.returncode, 0)
+            for word in words:
+                self.assertIn(word, str(run.errors))
+
+        refused(lambda tree: tree["Materials"]["m"].pop("Density"), "Density", "bar")
+        refused(lambda tree: tree["Steps"].pop("Time integration"), "initial velocity", "Newmark")
+        refused(lambda tree: tree["Model"].update({"Kinematics": "finite"}), "Kinematics", "small")
+        refused(lambda tree: tree["Materials"]["m"].update({"Plasticity": {"Yield stress": 1.0}}), "Plasticity")
+        refused(lambda tree: tree["Effects"].update({"Initial velocity": {"v": {
+            "Body": "bar", "Angular velocity": [1.0, 0.0, 0.0]}}}), "plane")
 
 
 if __name__ == "__main__":
