@@ -265,6 +265,83 @@ class Bouncing(unittest.TestCase):
         self.assertTrue(0.0 < -whole[-1] < 0.03)
 
 
+class Laws(unittest.TestCase):
+    """Friction and adhesion of bodies in motion."""
+
+    def test_friction(self):
+        """A block that slides on a floor: while all of it slips the impulse of friction is that of pressure times the
+        coefficient, whatever the pressure does; the work is the energy that goes."""
+        friction, gravity, speed, mass = 0.3, 0.01, 0.02, 0.08
+        tree = scene({"block": block([0.0, 0.0], [0.4, 0.2], [2, 1], [4, 4], "Q1", "m")}, {
+            "Obstacle": {"floor": {"Part": "block/bottom", "Direction": [0.0, 1.0, 0.0]}},
+            "Friction": {"dry": {"Contact": "floor", "Coefficient": friction}},
+            "Body force": {"gravity": {"Body": "block", "Density": [0.0, -gravity, 0.0]}},
+            "Initial velocity": moving("block", speed),
+        }, steps(10.0, 1000, 0.8))
+        table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+        along, down = table["impulse/Obstacle/floor/x"], table["impulse/Obstacle/floor/y"]
+        slips = table["time"] < 5.0
+        self.assertLess(np.abs(along + friction * down)[slips].max(), 1e-6 * mass * speed)
+        self.assertLess(np.abs(table["momentum/x"] - mass * speed - along).max(), 1e-4 * mass * speed)
+        energy = (table["kinetic"] + table["energy"] + table["dissipated"] - table["external_work"]) / (0.5 * mass * speed**2)
+        self.assertLess(np.abs(energy - 1.0).max(), 3e-3)
+        self.assertGreater(table["dissipated"][-1], 0.95 * 0.5 * mass * speed**2)
+        # It stops at v/μg, but for how it rocks.
+        self.assertLess(np.abs(table["momentum/x"][table["time"] > 1.2 * speed / (friction * gravity)]).max(), 0.05 * mass * speed)
+
+    def test_adhesion(self):
+        """Two glued bars, of which one is on its way: the bond breaks, takes its fracture energy, and all else stays."""
+        speed, tough = 0.02, 5e-6
+        half = {name: block([left, 0.0], [1.0, HEIGHT], [2, 1], [16, 2], "Q1", "m") for name, left in (("still", -1.0), ("bar", 0.0))}
+        glue = {
+            "Contact": "joint", "Normal stiffness": 100.0, "Tangential stiffness": 100.0, "Normal strength": 0.005,
+            "Tangential strength": 0.005, "Fracture energy": tough, "Fracture energy II": tough,
+        }
+        errors, numbers = [], (192, 384, 768)
+        for number in numbers:
+            tree = scene(half, {
+                "Contact": {"joint": {"First": "still/right", "Second": "bar/left"}}, "Adhesion": {"glue": glue},
+                "Initial velocity": moving("bar", speed),
+            }, steps(3.0, number, 0.8))
+            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            self.assertEqual(table["broken"][-1], 3)
+            self.assertLess(abs(table["dissipated"][-1] / (tough * HEIGHT) - 1.0), 1e-6)
+            self.assertLess(np.abs(table["momentum/x"] / (MASS * speed) - 1.0).max(), 1e-6)
+            energy = table["kinetic"] + table["energy"] + table["dissipated"]
+            errors.append(np.abs(energy / (0.5 * MASS * speed**2) - 1.0).max())
+        self.assertLess(errors[-1], 1e-4)
+        self.assertGreater(-fitted(numbers, errors), 1.0)
+
+
+class CoarseVectors(unittest.TestCase):
+    def test_steps_of_any_length(self):
+        """Vectors made of K + κM hold the rigid motions of parts at long steps, and none at short ones: applications stay
+        what they are from 1e-4 to 100 first periods (about 4, of a block of unit length, modulus and density), on 16 and 64
+        parts, clamped and floating; at 1e4 periods rounding errors of K + κM are those of solutions."""
+        found = []
+        for parts, clamped, length in [(8, c, d) for c in (True, False) for d in (1e-4, 1e-2, 1.0, 100.0)] + [
+            (4, True, 1.0), (4, False, 100.0), (8, False, 1e4),
+        ]:
+            tree = {
+                "Model": {"Physics": "plane strain"},
+                "Materials": {"m": {"Young's modulus": 1.0, "Poisson's ratio": 0.3, "Density": 1.0}},
+                "Bodies": {"block": block([0.0, 0.0], [1.0, 1.0], [parts, parts], [8, 8], "Q1", "m")},
+                "Steps": steps(8.0 * length, 2, 0.8), "Solver": {"Tolerance": 1e-6}, "Output": {"Every": 1000000},
+                "Dual operator": {"Expert": {"Adaptive coarse vectors": "all"}},
+                "Effects": {
+                    "Obstacle": {"floor": {"Part": "block/bottom", "Direction": [0.0, 1.0, 0.0]}},
+                    "Body force": {"gravity": {"Body": "block", "Density": [0.05, -1.0, 0.0]}},
+                    "Initial velocity": {"fall": {"Body": "block", "Velocity": [0.0, -0.1, 0.0]}},
+                },
+            }
+            if clamped:
+                tree["Effects"]["Prescribed displacement"] = {"side": {"Part": "block/left", "Displacement": [0.0, 0.0, 0.0]}}
+            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            found.append((parts**2, "clamped" if clamped else "floats", f"{length:g}", int(table["products"].max())))
+        runs.table("Applications of F by the length of steps", ("parts", "block", "periods", "most of a step"), found)
+        self.assertLessEqual(max(row[3] for row in found), 32)
+
+
 class Restart(unittest.TestCase):
     def test_bits(self):
         """Stopped between two steps and gone on with, results are those of one run, bit for bit."""

@@ -17,6 +17,12 @@ namespace {
 // Of states of effects in one step: more do not settle, unless there are so many points that break one by
 // one.
 constexpr int mostUpdates = 100;
+// Applications of a transient step above which coarse vectors are made, for all steps to come. The modes of
+// K + κM that they are made of, rigid ones at long steps, bring applications down to some 20 for steps of any
+// length, but each costs more. Seconds of 40 steps without and with them, on two ranks: a square of 256 parts
+// with 80 applications a step 3.6, 16.8; with 360 9.5, 11.3; a cube of 64 with 39 19, 36; with 97 24.6, 23.9;
+// with 205 33.7, 22.1.
+constexpr long long manyApplications = 200;
 // Where less than this of what may break in a step did, one of twice the length is tried.
 constexpr double calm = 0.2;
 
@@ -258,6 +264,8 @@ StepSequence::Outcome StepSequence::solve() {
   watch_.monitor = run_.monitor(watch_.within, quiet_, {placeText(), before, watch_.clock, true});
   watch_.monitor->addState([this](Archive& archive) { exchange(archive, true); });
   watch_.within = nullptr;
+  if (work_.wantsVectors)
+    run_.makeVectors(quiet_);
   run_.solve(start ? &*start : nullptr, watch_.monitor, quiet_, before.seconds - work_.secondsBefore,
              states_->tolerance(context_.options.tolerance));
   work_.counters += context_.report.result.counters;
@@ -316,8 +324,10 @@ StepSequence::Outcome StepSequence::accept() {
     equilibrium_->commit();
   else
     history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
-  if (motion_)
+  if (motion_) {
     motion_->commit();
+    work_.wantsVectors = work_.wantsVectors || row.products > manyApplications;
+  }
   const double snapped = energy_->snapped();
   states_->commit();
   if (const std::string text = bounds_->locks.commit(clock_.to(), run_.torn().displacement); !text.empty())
@@ -400,6 +410,7 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
   archive.numbers("counters of the steps", counts);
   archive.numbers("counters of the attempt", attempt);
   archive.numbers("iterations of the steps", table);
+  archive.number("wants coarse vectors", work_.wantsVectors);
   if (archive.isReading()) {
     work_.counters = qp::countersOf(counts);
     attempt_.counters = qp::countersOf(attempt);

@@ -76,6 +76,7 @@ class StepSequence {
     std::vector<qp::IterationRecord> iterations; // counted on
     qp::Counters counters;
     double secondsBefore = 0.0; // of solves before the checkpoint
+    bool wantsVectors = false;  // of a coarse space, from here on
   };
   struct Attempt {
     int updates = 0;       // of states

@@ -139,8 +139,6 @@ void requireTransient(const Scene& scene) {
     refuse("does not go with \"Model/Kinematics\" = \"finite\" yet; use \"small\"");
   if (scene.yields())
     refuse("does not go with materials that yield yet; remove their \"Plasticity\"");
-  if (scene.breaks())
-    refuse("does not go with adhesion yet; remove it");
   for (const Body& body : scene.bodies)
     for (const fem::Material& material : body.materials)
       if (!(material.density > 0.0))
