@@ -308,7 +308,7 @@ scene::Scene sceneOf(const Application& application, const DeckContext& context)
 ParameterSpec deckSpec(const Application& application) {
   ParameterSpec spec(application.name, "Deck of " + application.name + ": " + application.description);
   application.addParameters(spec);
-  run::RunOptions::addTo(spec);
+  run::RunOptions::addTo(spec, application.mayBeTransient);
   return spec;
 }
 

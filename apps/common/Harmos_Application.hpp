@@ -44,6 +44,7 @@ struct Application {
   std::function<void(const Teuchos::Comm<int>&, const Teuchos::ParameterList&, run::RunReport&)> evaluate;
   /// The effects that its decks may name, for --list-effects; null if its decks name none.
   std::shared_ptr<const scene::EffectRegistry> effects;
+  bool mayBeTransient = false; ///< whether its materials have densities
 };
 
 /// The command line, as far as a program has to know it.

@@ -21,6 +21,7 @@ Application harmosApplication(KinematicsChoice kinematics) {
     return sceneFromDeck(context, *registry);
   };
   application.effects = registry;
+  application.mayBeTransient = kinematics == KinematicsChoice::Offered;
   return application;
 }
 

@@ -107,9 +107,8 @@ void DualOptions::addTo(ParameterSpec& deck) {
                   "memory; tolerances below 1e-6 need the implicit form"}},
       "Precision of dense blocks and factors.");
   dual.text("Local solver", defaults.inverses.solver.name,
-            "Sparse direct solver of the subdomains: \"multifrontal\" (Harmos' own Cholesky factorisation), "
-            "\"MUMPS\", or a solver of Amesos2, such as \"KLU2\", with the implicit form and double "
-            "precision.")
+            "Sparse direct solver of the subdomains: \"multifrontal\" (Harmos' own), \"MUMPS\", or one of "
+            "Amesos2, such as \"KLU2\", with the implicit form and double precision.")
       .formerly("Implicit solver");
   dual.integer("Memory budget MiB", defaults.memoryBudgetMiB, 0, 2000000000,
                "Memory limit of factors and dense blocks on a rank, by the cost model; 0: none.");

@@ -6,10 +6,10 @@
 
 namespace Harmos::run {
 
-void RunOptions::addTo(ParameterSpec& deck) {
+void RunOptions::addTo(ParameterSpec& deck, bool mayBeTransient) {
   feti::DualOptions::addDecompositionTo(deck);
   feti::DualOptions::addTo(deck);
-  scene::Timeline::addTo(deck);
+  scene::Timeline::addTo(deck, mayBeTransient);
 
   ParameterSpec solver("Solver", "Solver of the dual quadratic program.");
   feti::SolverOptions::addTo(solver);

@@ -61,7 +61,7 @@ struct RunOptions : feti::SolverOptions {
   CheckpointOptions checkpoint;
 
   /// Adds the lists to the specification of a deck.
-  static void addTo(ParameterSpec& deck);
+  static void addTo(ParameterSpec& deck, bool mayBeTransient = false);
   /// From a validated deck.
   static RunOptions fromDeck(const Teuchos::ParameterList& deck);
 };

@@ -499,12 +499,6 @@ void RunStages::tellWhatIsAttainable() {
       context_.report.reason;
 }
 
-void RunStages::makeVectors(const Log& log) {
-  const Teuchos::RCP<feti::AdaptiveSpace> space = pipeline_->stages().adaptive;
-  if (!space.is_null() && space->isPossible() && !space->isMade())
-    space->make(log);
-}
-
 void RunStages::recover() {
   tellWhatIsAttainable();
   if (solve_->solution().isEscaping)

@@ -45,9 +45,6 @@ class RunStages : private feti::PipelineObserver {
   /// From the meshes to the dual problem of the first step. @param motion of a transient run, to outlive
   /// this.
   void setUp(Motion* motion = nullptr);
-  /// Coarse vectors for solves to come, if these may be made and are not; see feti::AdaptiveSpace.
-  /// @note Collective.
-  void makeVectors(const Log& log);
   /// Loads, prescribed values and bounds of another time, by subdomain and row as the system and the
   /// constraints take them; the dual problem is made anew.
   struct Data {

@@ -32,6 +32,13 @@ double secondsSince(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
+// For solves to come, if they may be made and are not.
+void makeVectors(feti::DualPipeline& pipeline, const Log& log) {
+  const Teuchos::RCP<feti::AdaptiveSpace> space = pipeline.stages().adaptive;
+  if (!space.is_null() && space->isPossible() && !space->isMade())
+    space->make(log);
+}
+
 std::string timeText(double time) {
   std::ostringstream text;
   text << std::setprecision(6) << time;
@@ -265,7 +272,7 @@ StepSequence::Outcome StepSequence::solve() {
   watch_.monitor->addState([this](Archive& archive) { exchange(archive, true); });
   watch_.within = nullptr;
   if (work_.wantsVectors)
-    run_.makeVectors(quiet_);
+    makeVectors(run_.pipeline(), quiet_);
   run_.solve(start ? &*start : nullptr, watch_.monitor, quiet_, before.seconds - work_.secondsBefore,
              states_->tolerance(context_.options.tolerance));
   work_.counters += context_.report.result.counters;
@@ -282,8 +289,7 @@ StepSequence::Outcome StepSequence::solve() {
   return context_.report.converged ? Outcome::Accepted : Outcome::Failed;
 }
 
-StepSequence::Outcome StepSequence::accept() {
-  const auto scope = context_.timers.scope("output");
+void StepSequence::reachEnergy() {
   scene::TimedLoads::Products products =
       run_.loads().products(*context_.comm, run_.torn().displacement, run_.reactions());
   bounds_->moving.addProducts(*context_.comm, run_.multipliers(), run_.loads().cases(), products);
@@ -292,6 +298,11 @@ StepSequence::Outcome StepSequence::accept() {
                   context_.report.audit.frictionWork, states_->dissipated(),
                   equilibrium_ ? equilibrium_->furtherWork() : 0.0,
                   equilibrium_ ? equilibrium_->dissipated() : 0.0});
+}
+
+StepSequence::Outcome StepSequence::accept() {
+  const auto scope = context_.timers.scope("output");
+  reachEnergy();
   if (equilibrium_)
     run_.tellBonds(equilibrium_->bonds());
   else

@@ -60,6 +60,7 @@ class StepSequence {
   std::string placeText() const;
   bool isOutOfTime() const;
   bool savingTakesLong() const;
+  void reachEnergy();
   bool hasSteps() const { return context_.scene.timeline.hasSteps(); }
   std::optional<feti::WarmStart> startOfSolve() const;
   feti::WarmStart lastSolution() const;

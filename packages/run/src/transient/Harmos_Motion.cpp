@@ -3,6 +3,7 @@
 
 #include "Harmos_CopiesOfNodes.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_InitialMotion.hpp"
 #include "Harmos_Mass.hpp"
 
 #include <algorithm>
@@ -82,9 +83,11 @@ void Motion::begin(const Loads& loads) {
     state.displacement.emplace_back(masses_[i].size(), 0.0);
     state.velocity.emplace_back(masses_[i].size(), 0.0);
     for (const auto& effect : scene_.effects)
-      if (const std::vector<int> bodies = effect->bodies();
-          std::find(bodies.begin(), bodies.end(), (*owned_)[i].body) != bodies.end())
-        effect->addVelocity(scene_, (*owned_)[i], state.velocity.back());
+      if (const auto* motion = dynamic_cast<const scene::InitialMotion*>(effect.get())) {
+        const std::vector<int> bodies = effect->bodies();
+        if (std::find(bodies.begin(), bodies.end(), (*owned_)[i].body) != bodies.end())
+          motion->addVelocity(scene_, (*owned_)[i], state.velocity.back());
+      }
     for (std::size_t k = 0; k < masses_[i].size(); ++k)
       if (isHeld_[i][k] != 0)
         state.velocity[i][k] = 0.0;

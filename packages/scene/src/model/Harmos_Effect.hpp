@@ -99,8 +99,6 @@ class Effect {
   /// f += those on the first side alone. @param subdomain at rest, and of finite displacements as it is now.
   virtual void addForce(const Scene&, const FiniteBehaviour::Deformed& /*subdomain*/,
                         std::vector<double>& /*load*/) const {}
-  /// Velocities when a transient run begins: v += ...
-  virtual void addVelocity(const Scene&, const OwnedSubdomain&, std::vector<double>&) const {}
   /// As loadKey(), for addStiffness().
   virtual std::optional<Key> stiffnessKey(const Scene&, const OwnedSubdomain&) const { return std::nullopt; }
   /// K += a symmetric positive semidefinite matrix; entries at equal places add up. The kernel of the sum

@@ -40,6 +40,15 @@ std::vector<double> numbersIn(const Teuchos::ParameterList& list, const std::str
   return list.get<Teuchos::Array<double>>(name).toVector();
 }
 
+void addTransientTo(ParameterSpec& steps) {
+  steps.choice("Time integration", "static",
+               {{"static", "bodies are in equilibrium at every time"},
+                {"Newmark", "bodies have inertia, by the densities of their materials: generalised-α"}},
+               "Whether steps are of time. With inertia magnitudes without a \"History\" are constant.");
+  steps.real("Spectral radius", 1.0, Range::within(0.0, 1.0),
+             "Newmark: what each step leaves of unresolved motions. 1: all of their energy, 0: nothing.");
+}
+
 } // namespace
 
 History::History(std::vector<double> times, std::vector<double> values)
@@ -77,7 +86,7 @@ Timeline::Timeline(std::vector<double> ends, double smallest) : ends_(std::move(
                      scientific(leastSmallest, 0) + " and at most 1, not " + scientific(smallest_));
 }
 
-void Timeline::addTo(ParameterSpec& deck) {
+void Timeline::addTo(ParameterSpec& deck, bool mayBeTransient) {
   ParameterSpec steps("Steps", "Load steps, each from the state before. Number = 1: one static state.");
   steps.integer("Number", 1, 1, 10000000, "Number of steps of equal length.");
   steps.real("End time", 1.0, Range::above(0.0), "End of the last step, with \"Number\".");
@@ -87,14 +96,8 @@ void Timeline::addTo(ParameterSpec& deck) {
   steps.real("Smallest step", defaultSmallest, Range::within(leastSmallest, 1.0),
              "Least part of a step, as a share of it. A step without convergence is halved, down to "
              "this part; then the run ends.");
-  steps.choice("Time integration", "static",
-               {{"static", "bodies are in equilibrium at every time"},
-                {"Newmark", "bodies have inertia, by the densities of their materials: generalised-α"}},
-               "Whether steps are of time. With inertia magnitudes without a \"History\" are constant.");
-  steps.real(
-      "Spectral radius", 1.0, Range::within(0.0, 1.0),
-      "Newmark: how much of motions that steps do not resolve stays after each: 1 keeps energy, 0 takes "
-      "all.");
+  if (mayBeTransient)
+    addTransientTo(steps);
   ParameterSpec histories("Histories", "Factors over time, by names of your choice.");
   ParameterSpec history("<history>",
                         "A factor over time. Piecewise linear; constant before the first time and after the "
@@ -124,7 +127,7 @@ Timeline Timeline::fromDeck(const Teuchos::ParameterList& deck) {
   Timeline timeline =
       at("Steps/Times", [&] { return Timeline(std::move(ends), steps.get<double>("Smallest step")); });
   timeline.isGiven_ = !times.empty();
-  if (steps.get<std::string>("Time integration") == "Newmark") {
+  if (steps.isParameter("Time integration") && steps.get<std::string>("Time integration") == "Newmark") {
     timeline.integrate(steps.get<double>("Spectral radius"));
     timeline.bringUp();
   }

@@ -48,7 +48,7 @@ class Timeline {
   static constexpr double defaultSmallest = 1.0 / 64.0;
 
   /// The list Steps of a deck.
-  static void addTo(ParameterSpec& deck);
+  static void addTo(ParameterSpec& deck, bool mayBeTransient = false);
   /// From a validated deck. @throws InputError for steps and histories that make no sense.
   static Timeline fromDeck(const Teuchos::ParameterList& deck);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_EffectRegistry.hpp"
+#include "Harmos_InitialMotion.hpp"
 #include "Harmos_PointAlgebra.hpp"
 
 namespace Harmos::effects {
@@ -9,7 +10,7 @@ namespace Harmos::effects {
 /// How a body moves when a transient run begins: v = v₀ + ω × (x − x₀).
 ///
 /// Guarded by tests/verification/physics/test_transient.py.
-class InitialVelocity : public scene::Effect {
+class InitialVelocity : public scene::Effect, public scene::InitialMotion {
  public:
   static constexpr const char* kindName = "Initial velocity";
 
