@@ -108,6 +108,19 @@ class Bar(unittest.TestCase):
             for name, scale in (("kinetic", MASS * SPEED**2), ("momentum/x", MASS * SPEED), ("Obstacle/wall/fx", MASS * SPEED)):
                 self.assertLess(np.abs(table[name] - tables[0][name]).max(), 1e-6 * scale, name)
 
+    def test_moved_end(self):
+        """An end that moves with v from the beginning: the force on it is ρcvA, without ringing, until the wave is back."""
+        for radius in (1.0, 0.8):
+            held = {"end": {"Part": "bar/left", "Displacement": [SPEED, 0.0, 0.0], "History": "moved"}}
+            times = steps(1.5, 48, radius, Histories={"moved": {"Times": [0.0, 1.5], "Values": [0.0, 1.5]}})
+            tree = scene({"bar": bar(32)}, {"Prescribed displacement": held}, times)
+            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            force = table["Prescribed displacement/end/fx"] / (SPEED * HEIGHT)
+            self.assertLess(np.abs(force[8:] - 1.0).max(), 0.05, radius)
+            # What the end gets at once, half a cell's mass, is work by the mean of no force and all.
+            energy = (table["kinetic"] + table["energy"] - table["external_work"]) / (MASS * SPEED**2)
+            self.assertLess(np.abs(energy).max(), 0.3 / 32.0)
+
     def test_two_bars(self):
         """Of equal bars one strikes, and the other leaves with its velocity."""
         cells = 128

@@ -54,27 +54,41 @@ void Motion::addMasses(const std::vector<scene::OwnedSubdomain>& owned,
     for (const feti::FixedDof& fixed : subdomains[i].fixed)
       isHeld_.back()[static_cast<std::size_t>(fixed.dof)] = 1;
   }
-  // Those of equal matrices and masses share theirs.
-  std::map<std::pair<const LocalMatrix*, std::vector<double>>, std::shared_ptr<const LocalMatrix>> made;
+  const std::vector<std::shared_ptr<const LocalMatrix>> made = matrices();
   for (std::size_t i = 0; i < owned.size(); ++i) {
-    std::shared_ptr<const LocalMatrix>& matrix = made[{stiffness_[i].get(), masses_[i]}];
-    if (!matrix)
-      matrix = withMass(i);
-    subdomains[i].stiffness = matrix;
+    subdomains[i].stiffness = made[i];
     auto motions = std::make_shared<feti::Kernel>();
-    motions->rows = matrix->rows();
+    motions->rows = made[i]->rows();
     subdomains[i].motions = motions;
   }
 }
 
-std::shared_ptr<const LocalMatrix> Motion::withMass(std::size_t subdomain) const {
-  auto matrix = std::make_shared<LocalMatrix>(*stiffness_[subdomain]);
-  const double factor = rule_.massFactor(step_);
-  for (std::size_t r = 0; r < masses_[subdomain].size(); ++r)
-    for (std::size_t k = matrix->offsets[r]; k < matrix->offsets[r + 1]; ++k)
-      if (matrix->columns[k] == static_cast<int>(r))
-        matrix->values[k] += factor * masses_[subdomain][r];
-  return matrix;
+// To the diagonal of K.
+std::vector<double> Motion::addedTo(std::size_t subdomain) const {
+  std::vector<double> result = masses_[subdomain];
+  for (std::size_t k = 0; k < result.size(); ++k)
+    result[k] *= isHeld_[subdomain][k] != 0 ? 1.0 / (step_ * step_) : rule_.massFactor(step_);
+  return result;
+}
+
+// Subdomains with equal ones share theirs.
+std::vector<std::shared_ptr<const LocalMatrix>> Motion::matrices() const {
+  std::vector<std::shared_ptr<const LocalMatrix>> result;
+  std::map<std::pair<const LocalMatrix*, std::vector<double>>, std::shared_ptr<const LocalMatrix>> known;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    const std::vector<double> added = addedTo(i);
+    std::shared_ptr<const LocalMatrix>& place = known[{stiffness_[i].get(), added}];
+    if (!place) {
+      auto matrix = std::make_shared<LocalMatrix>(*stiffness_[i]);
+      for (std::size_t r = 0; r < added.size(); ++r)
+        for (std::size_t k = matrix->offsets[r]; k < matrix->offsets[r + 1]; ++k)
+          if (matrix->columns[k] == static_cast<int>(r))
+            matrix->values[k] += added[r];
+      place = matrix;
+    }
+    result.push_back(place);
+  }
+  return result;
 }
 
 void Motion::begin(const Loads& loads) {
@@ -115,15 +129,7 @@ std::optional<std::vector<std::shared_ptr<const LocalMatrix>>> Motion::matricesO
   if (std::abs(step - step_) <= same * step_)
     return std::nullopt;
   step_ = step;
-  std::vector<std::shared_ptr<const LocalMatrix>> matrices;
-  std::map<std::pair<const LocalMatrix*, std::vector<double>>, std::shared_ptr<const LocalMatrix>> made;
-  for (std::size_t i = 0; i < masses_.size(); ++i) {
-    std::shared_ptr<const LocalMatrix>& matrix = made[{stiffness_[i].get(), masses_[i]}];
-    if (!matrix)
-      matrix = withMass(i);
-    matrices.push_back(matrix);
-  }
-  return matrices;
+  return matrices();
 }
 
 Motion::Loads Motion::pose(const Loads& loads) {
@@ -134,6 +140,10 @@ Motion::Loads Motion::pose(const Loads& loads) {
     auto load = std::make_shared<std::vector<double>>(*loads[i]);
     for (std::size_t k = 0; k < load->size(); ++k) {
       const double m = masses_[i][k], a = committed_.acceleration[i][k];
+      if (isHeld_[i][k] != 0) {
+        (*load)[k] += m * (committed_.displacement[i][k] / step_ + committed_.velocity[i][k]) / step_;
+        continue;
+      }
       (*load)[k] +=
           share * m * (c2 * (committed_.displacement[i][k] + step_ * committed_.velocity[i][k]) + c3 * a) -
           (rule_.alphaM * m * a - rule_.alphaF * committed_.inertia[i][k]) / (1.0 - rule_.alphaF);
@@ -156,6 +166,12 @@ void Motion::reach(const feti::TornVector& displacement) {
     for (std::size_t k = 0; k < masses_[i].size(); ++k) {
       const double way = to.displacement[i][k] - from.displacement[i][k], m = masses_[i][k];
       const double a0 = from.acceleration[i][k], v0 = from.velocity[i][k];
+      if (isHeld_[i][k] != 0) {
+        to.velocity[i][k] = to.shown[i][k] = way / step_;
+        to.acceleration[i][k] = (way / step_ - v0) / step_;
+        to.inertia[i][k] = m * to.acceleration[i][k];
+        continue;
+      }
       const bool hasMass = m > 0.0;
       const double a1 = hasMass ? c2 * (way - step_ * v0) - c3 * a0 : 0.0;
       to.acceleration[i][k] = a1;
@@ -180,21 +196,24 @@ double Motion::weighed(const feti::TornVector& a, const feti::TornVector& b) con
 }
 
 double Motion::lagrangian(double ofStep) const {
-  double work = 0.0;
-  for (std::size_t i = 0; i < posed_.size(); ++i)
-    for (std::size_t k = 0; k < posed_[i]->size(); ++k)
-      work += ((*posed_[i])[k] - (*loads_[i])[k]) * reached_.displacement[i][k];
-  return ofStep - 0.5 * rule_.massFactor(step_) * weighed(reached_.displacement, reached_.displacement) +
-         globalSum(comm_, work);
+  double difference = 0.0;
+  for (std::size_t i = 0; i < posed_.size(); ++i) {
+    const std::vector<double> added = addedTo(i);
+    for (std::size_t k = 0; k < added.size(); ++k) {
+      const double u = reached_.displacement[i][k];
+      difference += ((*posed_[i])[k] - (*loads_[i])[k]) * u - 0.5 * added[k] * u * u;
+    }
+  }
+  return ofStep + globalSum(comm_, difference);
 }
 
 Motion::Loads Motion::loadsAndInertia() const {
-  const double factor = rule_.massFactor(step_);
   Loads result;
   for (std::size_t i = 0; i < posed_.size(); ++i) {
+    const std::vector<double> added = addedTo(i);
     auto load = std::make_shared<std::vector<double>>(*posed_[i]);
     for (std::size_t k = 0; k < load->size(); ++k)
-      (*load)[k] -= factor * masses_[i][k] * reached_.displacement[i][k];
+      (*load)[k] -= added[k] * reached_.displacement[i][k];
     result.push_back(load);
   }
   return result;

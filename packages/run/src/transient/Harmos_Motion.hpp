@@ -24,6 +24,9 @@ namespace Harmos::run {
 /// c₂ = 1/(βΔt²), c₃ = 1/(2β) − 1, see GeneralisedAlpha. M is lumped, and nodes in contact are without mass
 /// (fem::lumpedMasses()). Forces of inertia i are each subdomain's own, with those of its multipliers.
 ///
+/// Where values are prescribed v₁ = (u₁ − u₀)/Δt and a₁ = (v₁ − v₀)/Δt, i₁ = Ma₁, with 1/Δt² in the place of
+/// κ: those of the method would alternate from step to step, and reactions with them.
+///
 /// Guarded by tests/verification/physics/test_transient.py.
 class Motion {
  public:
@@ -69,7 +72,8 @@ class Motion {
     feti::TornVector shown;                                         // velocities
   };
   std::vector<char> nodesInContact(const scene::OwnedSubdomain& subdomain) const;
-  std::shared_ptr<const LocalMatrix> withMass(std::size_t subdomain) const;
+  std::vector<double> addedTo(std::size_t subdomain) const;
+  std::vector<std::shared_ptr<const LocalMatrix>> matrices() const;
   double weighed(const feti::TornVector& a, const feti::TornVector& b) const;
 
   const Teuchos::Comm<int>& comm_;
