@@ -2,6 +2,7 @@
 #pragma once
 
 #include "Harmos_EffectRegistry.hpp"
+#include "Harmos_FiniteBehaviour.hpp"
 #include "Harmos_InitialMotion.hpp"
 #include "Harmos_PointAlgebra.hpp"
 
@@ -23,6 +24,7 @@ class InitialVelocity : public scene::Effect, public scene::InitialMotion {
   InitialVelocity(int body, const Motion& motion, std::string name = "");
 
   std::vector<int> bodies() const override { return {body_}; }
+  const scene::FiniteBehaviour* finite() const override { return &scene::FiniteBehaviour::plain(); }
   /// @throws InputError for a run that is not transient, and for motions that leave the plane.
   void check(const scene::Scene& scene) const override;
   void addVelocity(const scene::Scene& scene, const scene::OwnedSubdomain& subdomain,

@@ -3,18 +3,14 @@
 
 namespace Harmos::run {
 
-RenewedTangent::RenewedTangent(const DeformedBodies& bodies, const feti::SubdomainSystem& system,
-                               const feti::TornVector& atRest)
+RenewedTangent::RenewedTangent(const DeformedBodies& bodies, DeformedBodies::Tangent tangent,
+                               const feti::TornVector& displacement)
     : bodies_(bodies),
-      displacement_(atRest),
-      isMade_(atRest.size(), 0),
+      tangent_(std::move(tangent)),
+      displacement_(displacement),
+      isMade_(displacement.size(), 0),
       yields_(isMade_),
-      times_(atRest.size(), 0.0) {
-  for (int i = 0; i < system.size(); ++i) {
-    tangent_.matrices.push_back(system.subdomain(i).stiffness);
-    tangent_.kernels.push_back(system.subdomain(i).motions);
-  }
-}
+      times_(displacement.size(), 0.0) {}
 
 void RenewedTangent::make(const feti::TornVector& displacement, double time, const std::vector<char>& which) {
   bodies_.makeTangent(displacement, std::vector<double>(which.size(), time), which, tangent_);

@@ -16,9 +16,9 @@ namespace Harmos::run {
 /// Guarded by tests/verification/finite and tests/verification/physics/test_plasticity.py.
 class RenewedTangent {
  public:
-  /// As at rest. @param bodies, system to outlive it.
-  RenewedTangent(const DeformedBodies& bodies, const feti::SubdomainSystem& system,
-                 const feti::TornVector& atRest);
+  /// @param bodies to outlive it. @param tangent, displacement at rest.
+  RenewedTangent(const DeformedBodies& bodies, DeformedBodies::Tangent tangent,
+                 const feti::TornVector& displacement);
 
   /// For an iteration. @param isWrong of all of them. @note Collective.
   void renew(const feti::TornVector& displacement, double time, const std::vector<char>& yields,

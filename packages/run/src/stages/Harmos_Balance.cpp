@@ -73,14 +73,15 @@ scene::ContactSetup Balance::contactAt(const feti::TornVector& displacement) con
 }
 
 Balance::Loads Balance::loadsAt(const feti::TornVector& displacement) const {
-  const feti::TornVector following = bodies_.followingLoads(displacement, time_);
-  if (following.empty())
+  const feti::TornVector following = bodies_.followingLoads(displacement, time_),
+                         inertia = motion_ != nullptr ? motion_->inertiaOf(displacement) : feti::TornVector();
+  if (following.empty() && inertia.empty())
     return dead_;
   Loads result;
-  for (std::size_t i = 0; i < following.size(); ++i) {
+  for (std::size_t i = 0; i < dead_.size(); ++i) {
     auto load = std::make_shared<std::vector<double>>(*dead_[i]);
     for (std::size_t k = 0; k < load->size(); ++k)
-      (*load)[k] += following[i][k];
+      (*load)[k] += (following.empty() ? 0.0 : following[i][k]) - (inertia.empty() ? 0.0 : inertia[i][k]);
     result.push_back(load);
   }
   return result;

@@ -4,6 +4,7 @@
 #include "Harmos_CarriedForces.hpp"
 #include "Harmos_DeformedBodies.hpp"
 #include "Harmos_Locks.hpp"
+#include "Harmos_Motion.hpp"
 #include "Harmos_MovedBonds.hpp"
 #include "Harmos_RunStages.hpp"
 
@@ -22,10 +23,12 @@ class Balance {
   using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
 
   /// All of these have to outlive it.
-  Balance(const RunContext& context, RunStages& run, const DeformedBodies& bodies)
+  /// @param motion null: forces of inertia are none.
+  Balance(const RunContext& context, RunStages& run, const DeformedBodies& bodies, const Motion* motion)
       : context_(context),
         run_(run),
         bodies_(bodies),
+        motion_(motion),
         atRest_(run.contact()),
         bonds_(run.owned(), run.contact(), bodies) {}
 
@@ -38,12 +41,10 @@ class Balance {
   /// A step to a time begins. @param begun displacements there, since when points slip; to outlive the step.
   void begin(double time, const feti::TornVector& begun);
   double time() const { return time_; }
-  /// Loads that keep their direction.
-  const Loads& deadLoads() const { return dead_; }
 
   /// Rows of how displacements change from here.
   scene::ContactSetup contactAt(const feti::TornVector& displacement) const;
-  /// Loads that keep their direction, and those that go with the bodies.
+  /// Loads that keep their direction, and those that go with the bodies, less forces of inertia.
   Loads loadsAt(const feti::TornVector& displacement) const;
   DeformedBodies::Forces forcesAt(const feti::TornVector& displacement) const;
   /// Loads less internal forces and those of rows, which points keep that have them, but for springs of
@@ -75,6 +76,7 @@ class Balance {
   RunContext context_;
   RunStages& run_;
   const DeformedBodies& bodies_;
+  const Motion* motion_;
   scene::ContactSetup atRest_;
   MovedBonds bonds_;
   const Locks* locks_ = nullptr;

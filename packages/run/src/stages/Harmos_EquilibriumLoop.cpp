@@ -37,6 +37,15 @@ feti::TornVector sum(const feti::TornVector& a, double factor, const feti::TornV
   return result;
 }
 
+DeformedBodies::Tangent tangentOf(const feti::SubdomainSystem& system) {
+  DeformedBodies::Tangent result;
+  for (int i = 0; i < system.size(); ++i) {
+    result.matrices.push_back(system.subdomain(i).stiffness);
+    result.kernels.push_back(system.subdomain(i).motions);
+  }
+  return result;
+}
+
 // Numbers of each rank's own; nothing on another number of ranks. Collective.
 void exchangeOfRanks(const Teuchos::Comm<int>& comm, qp::StateArchive<MultiVector>& archive,
                      const std::string& name, std::vector<double>& numbers) {
@@ -81,16 +90,18 @@ class WatchedIteration : public feti::DualMonitor {
 
 } // namespace
 
-EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run)
+EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run, Motion* motion)
     : context_(context),
       run_(run),
+      motion_(motion),
       bodies_(*context.comm, context.scene, run.owned()),
-      balance_(context, run, bodies_),
+      balance_(context, run, bodies_, motion),
       mixing_(*context.comm, norm_.weights),
       committed_{
           run.pipeline().system().zeroVector(), CarriedForces(context.scene), PointSlips(context.scene), {}},
       trial_(committed_),
-      tangent_(bodies_, run.pipeline().system(), committed_.displacement) {
+      tangent_(bodies_, motion != nullptr ? motion->ofStressesAtRest() : tangentOf(run.pipeline().system()),
+               committed_.displacement) {
   const feti::SubdomainSystem& system = run.pipeline().system();
   for (int i = 0; i < system.size(); ++i)
     norm_.weights.push_back(system.diagonal(i));
@@ -123,6 +134,20 @@ std::vector<std::optional<feti::Frame>> EquilibriumLoop::frames() const {
   if (run_.pipeline().constraints()->hasWeights() || run_.pipeline().inverses()->joined() != nullptr)
     return {};
   return tangent_.frames(trial_.displacement);
+}
+
+Balance::Loads EquilibriumLoop::forcesAtRest() {
+  const feti::TornVector rest = run_.pipeline().system().zeroVector();
+  const feti::TornVector internal = bodies_.forces(rest, 0.0).internal,
+                         following = bodies_.followingLoads(rest, 0.0);
+  Loads result;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    auto load = std::make_shared<std::vector<double>>(*run_.loads().loads(0.0)[i]);
+    for (std::size_t k = 0; k < load->size(); ++k)
+      (*load)[k] += (following.empty() ? 0.0 : following[i][k]) - internal[i][k];
+    result.push_back(load);
+  }
+  return result;
 }
 
 void EquilibriumLoop::begin(double from) {
@@ -195,7 +220,7 @@ void EquilibriumLoop::pose(double time, const DeformedBodies::Forces& forces) {
   {
     const auto scope = context_.timers.scope("assembly");
     renewTangent(forces);
-    iterate.tangent = tangent_.tangent();
+    iterate.tangent = motion_ != nullptr ? motion_->tangentOf(tangent_.tangent()) : tangent_.tangent();
     iterate.frames = frames();
     for (std::size_t i = 0; i < internal.size(); ++i) {
       auto load = std::make_shared<std::vector<double>>(*loads[i]);
@@ -321,11 +346,12 @@ double EquilibriumLoop::meritOf(const feti::TornVector& change) const {
 // of bodies along du, over that of the tangent. @return whether s = 1.
 bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces,
                               double& stiffness) {
-  const double before = workOf(forces.internal, change.joined);
+  const double before = workOf(forces.internal, change.joined),
+               ofInertia = motion_ != nullptr ? motion_->stiffnessAlong(change.joined) : 0.0;
   const auto go = [&](double part) {
     answer = sum(trial_.displacement, part, change.joined);
     forces = balance_.forcesAt(answer);
-    const double work = workOf(forces.internal, change.joined) - before;
+    const double work = workOf(forces.internal, change.joined) - before + part * ofInertia;
     stiffness = change.merit > 0.0 ? work / (change.merit * change.merit) : 0.0;
     return forces.isSound;
   };
@@ -411,6 +437,8 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
 EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, RunMonitor& monitor,
                                                   const std::function<void()>& save) {
   balance_.begin(time, committed_.displacement);
+  if (motion_ != nullptr)
+    motion_->beginStep(time - committed_.time);
   trial_.time = time;
   DeformedBodies::Forces forces = balance_.forcesAt(trial_.displacement);
   if (!forces.isSound) {
@@ -470,6 +498,8 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   trial_.states = bodies_.statesAfter(answer, time);
   trial_.forceSize = audited.forces;
   work_ = followingWork(time, answer) + thermalWork(answer, forces.energy + forces.dissipated);
+  if (motion_ != nullptr)
+    motion_->reach(answer);
   run_.take({change.torn, answer, loads, balance_.reactions(given), audited, &trial_.states});
   trial_.slips.keep(run_.contact(), context_.report.contact);
   return true;
@@ -521,7 +551,8 @@ std::optional<feti::TornVector> EquilibriumLoop::motionUnder(const feti::TornVec
 std::string EquilibriumLoop::instability(const feti::TornVector& answer, const Change& change, const Log& log,
                                          RunMonitor& monitor) {
   // Forces of what yields have a kink at each state.
-  if (!(progress_.scale > 0.0) || !context_.scene.isFinite() || context_.scene.yields())
+  // Bodies in motion that buckle do so in time.
+  if (!(progress_.scale > 0.0) || !context_.scene.isFinite() || context_.scene.yields() || motion_ != nullptr)
     return {};
   const feti::SolveReport before = context_.report;
   feti::TornVector force = norm_.weights; // to all sides, as hard as bodies are stiff
@@ -570,11 +601,12 @@ double EquilibriumLoop::weighed(const feti::TornVector& values) const {
   return std::sqrt(globalSum(*context_.comm, sum));
 }
 
-// √(2W), here or where the step began: what bodies that let go of all their strains come down from. Of bodies
-// that but move, or nothing does, the scale of rounding errors by which strains, and gaps, are known, over
-// the tolerance.
+// √(2W) here and √(ΔvᵀMΔv), or √(2W) where the step began: what bodies that let go of all their strains come
+// down from. Of bodies that but move, or nothing does, the scale of rounding errors by which strains, and
+// gaps, are known, over the tolerance.
 double EquilibriumLoop::scaleOf(const feti::TornVector& answer, double energy) const {
   return std::max({std::sqrt(2.0 * energy), std::sqrt(2.0 * committed_.energy),
+                   motion_ != nullptr ? motion_->velocityChange(answer) : 0.0,
                    roundoff * weighed(answer) / context_.options.tolerance,
                    std::numeric_limits<double>::epsilon() * norm_.ofPlaces / context_.options.tolerance});
 }

@@ -29,15 +29,18 @@ namespace Harmos::run {
 /// The merit is ‖du‖_K̂, by which a body would still move (the natural level function: Deuflhard, Newton
 /// Methods for Nonlinear Problems, 2004, section 3.3). The step has converged where it is below the
 /// tolerance, as a share of the strains' √(2W); then the equilibrium is audited: f − f_int(u) − B(u)ᵀλ and
-/// gaps, with rows made once more. It has failed where the merit does not come down, or cells turn inside
-/// out.
+/// gaps, with rows made once more. Of bodies in motion f is without their forces of inertia, K̂ with κM, see
+/// Motion, and changes are also judged as a share of √(ΔvᵀMΔv), what the step changes velocities by. It has
+/// failed where the merit does not come down, or cells turn inside out.
 ///
 /// All members are collective. Guarded by tests/verification/finite.
 class EquilibriumLoop {
  public:
-  /// @param run set up; both to outlive it.
-  EquilibriumLoop(const RunContext& context, RunStages& run);
+  /// @param run set up. @param motion of bodies that have inertia, or null. All to outlive it.
+  EquilibriumLoop(const RunContext& context, RunStages& run, Motion* motion = nullptr);
 
+  /// What bodies at rest, where they are, are moved by when the run begins: loads less internal forces.
+  Balance::Loads forcesAtRest();
   /// A step begins, for the first time or again, from what was committed at a time.
   void begin(double from);
   enum class Outcome { Converged, Failed, Interrupted };
@@ -131,6 +134,7 @@ class EquilibriumLoop {
 
   RunContext context_;
   RunStages& run_;
+  Motion* motion_;
   DeformedBodies bodies_;
   Balance balance_;
   // By which changes are mixed and judged.

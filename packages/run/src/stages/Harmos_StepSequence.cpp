@@ -72,7 +72,7 @@ void StepSequence::begin() {
     motion_.emplace(*context_.comm, context_.scene);
   run_.setUp(motion_ ? &*motion_ : nullptr);
   if (context_.scene.iterates())
-    equilibrium_.emplace(context_, run_);
+    equilibrium_.emplace(context_, run_, motion_ ? &*motion_ : nullptr);
   // Where the loop finds equilibrium slips are its own, and points of contact may change.
   states_.emplace(*context_.comm, context_.scene,
                   equilibrium_ ? equilibrium_->bonds().points() : run_.contact());
@@ -87,7 +87,7 @@ void StepSequence::begin() {
                       (context_.scene.iterates() && context_.scene.hasInterfaceLaws()),
                   context_.scene.breaks());
   if (motion_) {
-    motion_->begin(run_.loads().loads(0.0));
+    motion_->begin(equilibrium_ ? equilibrium_->forcesAtRest() : run_.loads().loads(0.0));
     energy_->beginWith(run_.loads().factors(0.0));
   }
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;

@@ -54,32 +54,38 @@ void Motion::addMasses(const std::vector<scene::OwnedSubdomain>& owned,
     for (const feti::FixedDof& fixed : subdomains[i].fixed)
       isHeld_.back()[static_cast<std::size_t>(fixed.dof)] = 1;
   }
-  const std::vector<std::shared_ptr<const LocalMatrix>> made = matrices();
+  const std::vector<std::shared_ptr<const LocalMatrix>> made = matrices(stiffness_);
   for (std::size_t i = 0; i < owned.size(); ++i) {
     subdomains[i].stiffness = made[i];
     auto motions = std::make_shared<feti::Kernel>();
     motions->rows = made[i]->rows();
-    subdomains[i].motions = motions;
+    kernels_.push_back(motions);
+    subdomains[i].motions = kernels_.back();
   }
 }
 
-// To the diagonal of K.
+// To the diagonal of K. Of a tangent, which turns with the body, the same to all sides: where values are
+// prescribed it decides nothing.
 std::vector<double> Motion::addedTo(std::size_t subdomain) const {
   std::vector<double> result = masses_[subdomain];
   for (std::size_t k = 0; k < result.size(); ++k)
-    result[k] *= isHeld_[subdomain][k] != 0 ? 1.0 / (step_ * step_) : rule_.massFactor(step_);
+    result[k] *=
+        isHeld_[subdomain][k] != 0 && !scene_.iterates() ? 1.0 / (step_ * step_) : rule_.massFactor(step_);
   return result;
 }
 
 // Subdomains with equal ones share theirs.
-std::vector<std::shared_ptr<const LocalMatrix>> Motion::matrices() const {
+std::vector<std::shared_ptr<const LocalMatrix>>
+Motion::matrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness) {
   std::vector<std::shared_ptr<const LocalMatrix>> result;
-  std::map<std::pair<const LocalMatrix*, std::vector<double>>, std::shared_ptr<const LocalMatrix>> known;
+  decltype(made_) made;
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const std::vector<double> added = addedTo(i);
-    std::shared_ptr<const LocalMatrix>& place = known[{stiffness_[i].get(), added}];
+    std::shared_ptr<const LocalMatrix>& place = made[{stiffness[i], added}];
+    if (const auto known = made_.find({stiffness[i], added}); !place && known != made_.end())
+      place = known->second;
     if (!place) {
-      auto matrix = std::make_shared<LocalMatrix>(*stiffness_[i]);
+      auto matrix = std::make_shared<LocalMatrix>(*stiffness[i]);
       for (std::size_t r = 0; r < added.size(); ++r)
         for (std::size_t k = matrix->offsets[r]; k < matrix->offsets[r + 1]; ++k)
           if (matrix->columns[k] == static_cast<int>(r))
@@ -88,7 +94,12 @@ std::vector<std::shared_ptr<const LocalMatrix>> Motion::matrices() const {
     }
     result.push_back(place);
   }
+  made_ = std::move(made);
   return result;
+}
+
+DeformedBodies::Tangent Motion::tangentOf(const DeformedBodies::Tangent& ofStresses) {
+  return {matrices(ofStresses.matrices), kernels_};
 }
 
 void Motion::begin(const Loads& loads) {
@@ -120,7 +131,6 @@ void Motion::begin(const Loads& loads) {
       a = isHeld_[i][k] == 0 && masses[i][k] > 0.0 ? forces[i][k] / masses[i][k] : 0.0;
       state.inertia[i][k] = masses_[i][k] * a;
     }
-  state.shown = state.velocity;
   reached_ = state;
 }
 
@@ -129,7 +139,7 @@ std::optional<std::vector<std::shared_ptr<const LocalMatrix>>> Motion::matricesO
   if (std::abs(step - step_) <= same * step_)
     return std::nullopt;
   step_ = step;
-  return matrices();
+  return matrices(stiffness_);
 }
 
 Motion::Loads Motion::pose(const Loads& loads) {
@@ -155,31 +165,63 @@ Motion::Loads Motion::pose(const Loads& loads) {
   return result;
 }
 
-void Motion::reach(const feti::TornVector& displacement) {
-  const State& from = committed_;
+Motion::Moved Motion::moved(std::size_t subdomain, std::size_t dof, double way) const {
+  const double m = masses_[subdomain][dof], a0 = committed_.acceleration[subdomain][dof],
+               v0 = committed_.velocity[subdomain][dof];
+  if (isHeld_[subdomain][dof] != 0) {
+    const double a1 = (way / step_ - v0) / step_;
+    return {way / step_, a1, m * a1};
+  }
   const double c2 = 1.0 / (rule_.beta * step_ * step_), c3 = 0.5 / rule_.beta - 1.0;
+  const double a1 = m > 0.0 ? c2 * (way - step_ * v0) - c3 * a0 : 0.0;
+  const double v1 = m > 0.0 ? v0 + step_ * ((1.0 - rule_.gamma) * a0 + rule_.gamma * a1) : way / step_;
+  return {v1, a1,
+          (m * ((1.0 - rule_.alphaM) * a1 + rule_.alphaM * a0) -
+           rule_.alphaF * committed_.inertia[subdomain][dof]) /
+              (1.0 - rule_.alphaF)};
+}
+
+feti::TornVector Motion::inertiaOf(const feti::TornVector& displacement) const {
+  feti::TornVector result = displacement;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    for (std::size_t k = 0; k < masses_[i].size(); ++k)
+      result[i][k] = moved(i, k, displacement[i][k] - committed_.displacement[i][k]).inertia;
+  return result;
+}
+
+double Motion::stiffnessAlong(const feti::TornVector& change) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i) {
+    const std::vector<double> added = addedTo(i);
+    for (std::size_t k = 0; k < added.size(); ++k)
+      sum += added[k] * change[i][k] * change[i][k];
+  }
+  return globalSum(comm_, sum);
+}
+
+double Motion::velocityChange(const feti::TornVector& displacement) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    for (std::size_t k = 0; k < masses_[i].size(); ++k)
+      if (isHeld_[i][k] == 0) {
+        const double change = moved(i, k, displacement[i][k] - committed_.displacement[i][k]).velocity -
+                              committed_.velocity[i][k];
+        sum += masses_[i][k] * change * change;
+      }
+  return std::sqrt(globalSum(comm_, sum));
+}
+
+void Motion::reach(const feti::TornVector& displacement) {
   State& to = reached_;
   to.displacement = displacement;
   scene::joinCopies(comm_, scene_.components(), *owned_, to.displacement);
-  to.velocity = to.acceleration = to.inertia = to.shown = to.displacement;
+  to.velocity = to.acceleration = to.inertia = to.displacement;
   for (std::size_t i = 0; i < masses_.size(); ++i)
     for (std::size_t k = 0; k < masses_[i].size(); ++k) {
-      const double way = to.displacement[i][k] - from.displacement[i][k], m = masses_[i][k];
-      const double a0 = from.acceleration[i][k], v0 = from.velocity[i][k];
-      if (isHeld_[i][k] != 0) {
-        to.velocity[i][k] = to.shown[i][k] = way / step_;
-        to.acceleration[i][k] = (way / step_ - v0) / step_;
-        to.inertia[i][k] = m * to.acceleration[i][k];
-        continue;
-      }
-      const bool hasMass = m > 0.0;
-      const double a1 = hasMass ? c2 * (way - step_ * v0) - c3 * a0 : 0.0;
-      to.acceleration[i][k] = a1;
-      to.velocity[i][k] = hasMass ? v0 + step_ * ((1.0 - rule_.gamma) * a0 + rule_.gamma * a1) : way / step_;
-      to.shown[i][k] = to.velocity[i][k];
-      to.inertia[i][k] =
-          (m * ((1.0 - rule_.alphaM) * a1 + rule_.alphaM * a0) - rule_.alphaF * from.inertia[i][k]) /
-          (1.0 - rule_.alphaF);
+      const Moved now = moved(i, k, to.displacement[i][k] - committed_.displacement[i][k]);
+      to.velocity[i][k] = now.velocity;
+      to.acceleration[i][k] = now.acceleration;
+      to.inertia[i][k] = now.inertia;
     }
 }
 

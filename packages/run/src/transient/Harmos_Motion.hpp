@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "Harmos_DeformedBodies.hpp"
 #include "Harmos_GeneralisedAlpha.hpp"
 #include "Harmos_Scene.hpp"
 #include "Harmos_SubdomainSystem.hpp"
@@ -9,8 +10,10 @@
 #include <Teuchos_Comm.hpp>
 
 #include <array>
+#include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace Harmos::run {
@@ -23,6 +26,9 @@ namespace Harmos::run {
 ///
 /// c₂ = 1/(βΔt²), c₃ = 1/(2β) − 1, see GeneralisedAlpha. M is lumped, and nodes in contact are without mass
 /// (fem::lumpedMasses()). Forces of inertia i are each subdomain's own, with those of its multipliers.
+///
+/// Where bodies iterate to equilibrium (EquilibriumLoop), at finite displacements or as materials yield, the
+/// same rule has f_int(u) in the place of Ku, and the tangent is K̂ + κM: M is the same however bodies turn.
 ///
 /// Where values are prescribed v₁ = (u₁ − u₀)/Δt and a₁ = (v₁ − v₀)/Δt, i₁ = Ma₁, with 1/Δt² in the place of
 /// κ: those of the method would alternate from step to step, and reactions with them.
@@ -46,6 +52,18 @@ class Motion {
   using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
   /// The step to loads f₁ begins. @return f̂. Local.
   Loads pose(const Loads& loads);
+  /// A step of an equilibrium that is iterated to, and its tangent: K̂ + κM, which nothing is in the kernel
+  /// of. Those of a K̂ that was there before are the same. Local.
+  void beginStep(double step) { step_ = step; }
+  DeformedBodies::Tangent tangentOf(const DeformedBodies::Tangent& ofStresses);
+  /// That at rest, of stresses alone.
+  DeformedBodies::Tangent ofStressesAtRest() const { return {stiffness_, {}}; }
+  /// i₁ of displacements with equal copies. Local.
+  feti::TornVector inertiaOf(const feti::TornVector& displacement) const;
+  /// duᵀκM du. @note Collective.
+  double stiffnessAlong(const feti::TornVector& change) const;
+  /// ‖v₁ − v₀‖_M of displacements. @note Collective.
+  double velocityChange(const feti::TornVector& displacement) const;
   /// What a step has come to; nothing is committed. @param copies of nodes in several subdomains that differ
   /// by what the solver left are joined. @note Collective.
   void reach(const feti::TornVector& displacement);
@@ -59,9 +77,7 @@ class Motion {
   double kineticEnergy() const;
   std::array<double, 3> momentum() const;
   /// Of nodes without mass the mean one of the step. Of what was reached.
-  const feti::TornVector& velocities() const { return reached_.shown; }
-  /// Of each dof.
-  const feti::TornVector& masses() const { return masses_; }
+  const feti::TornVector& velocities() const { return reached_.velocity; }
 
   /// What was committed. @note Collective.
   void exchange(TornArchive& torn);
@@ -69,11 +85,16 @@ class Motion {
  private:
   struct State {
     feti::TornVector displacement, velocity, acceleration, inertia; // M a of each subdomain: i
-    feti::TornVector shown;                                         // velocities
   };
   std::vector<char> nodesInContact(const scene::OwnedSubdomain& subdomain) const;
   std::vector<double> addedTo(std::size_t subdomain) const;
-  std::vector<std::shared_ptr<const LocalMatrix>> matrices() const;
+  std::vector<std::shared_ptr<const LocalMatrix>>
+  matrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness);
+  // What the rule says of a dof that has gone a way in the step.
+  struct Moved {
+    double velocity, acceleration, inertia;
+  };
+  Moved moved(std::size_t subdomain, std::size_t dof, double way) const;
   double weighed(const feti::TornVector& a, const feti::TornVector& b) const;
 
   const Teuchos::Comm<int>& comm_;
@@ -82,7 +103,12 @@ class Motion {
   const std::vector<scene::OwnedSubdomain>* owned_ = nullptr;
   feti::TornVector masses_;
   std::vector<std::shared_ptr<const LocalMatrix>> stiffness_;
-  std::vector<std::vector<char>> isHeld_; // of each dof: values prescribed
+  std::vector<std::vector<char>> isHeld_;                    // of each dof: values prescribed
+  std::vector<std::shared_ptr<const feti::Kernel>> kernels_; // empty
+  // K + κM that were made last, by K and κM.
+  std::map<std::pair<std::shared_ptr<const LocalMatrix>, std::vector<double>>,
+           std::shared_ptr<const LocalMatrix>>
+      made_;
   double step_ = 0.0;
   Loads loads_, posed_; // f₁, f̂
   State committed_, reached_;

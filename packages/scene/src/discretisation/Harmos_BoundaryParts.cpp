@@ -135,10 +135,6 @@ void requireTransient(const Scene& scene) {
   };
   if (scene.physics == Physics::Membrane)
     refuse("is for elastic bodies, not for membranes");
-  if (scene.isFinite())
-    refuse("does not go with \"Model/Kinematics\" = \"finite\" yet; use \"small\"");
-  if (scene.yields())
-    refuse("does not go with materials that yield yet; remove their \"Plasticity\"");
   for (const Body& body : scene.bodies)
     for (const fem::Material& material : body.materials)
       if (!(material.density > 0.0))
