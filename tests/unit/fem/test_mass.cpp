@@ -61,8 +61,8 @@ TEST(LumpedMasses, every_element) {
   }
 }
 
-// Nodes of a surface without mass: the others take it, and the centre moves by less than half a cell of the
-// layer.
+// Nodes of a surface without mass: the others take it; the centre stays where it is, and so do moments of
+// inertia where there are layers of nodes enough.
 TEST(LumpedMasses, massless_surface) {
   for (CellType type : types) {
     const fem::PlacedMesh placed = block(type);
@@ -72,15 +72,38 @@ TEST(LumpedMasses, massless_surface) {
     const std::vector<double> masses = fem::lumpedMasses(*placed.mesh, {3.0}, massless);
     const double size = fem::shapeOf(type).dimension == 2 ? 1.5 : 0.75;
     EXPECT_NEAR(sum(masses), 3.0 * size, 1e-13) << static_cast<int>(type);
-    double height = 0.0;
-    for (std::size_t node = 0; node < masses.size(); ++node) {
+    const std::vector<double> lumped = fem::lumpedMasses(*placed.mesh, {3.0});
+    const int order = fem::shapeOf(type).order;
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        double first = 0.0, second = 0.0;
+        for (std::size_t node = 0; node < masses.size(); ++node) {
+          const Point x = placed.position(static_cast<int>(node));
+          first += (masses[node] - lumped[node]) * x[a];
+          second += (masses[node] - lumped[node]) * x[a] * x[b];
+        }
+        EXPECT_NEAR(first, 0.0, 1e-13) << static_cast<int>(type);
+        if (order == 2)
+          EXPECT_NEAR(second, 0.0, 1e-13) << static_cast<int>(type);
+      }
+    for (std::size_t node = 0; node < masses.size(); ++node)
       EXPECT_EQ(massless[node] == 0, masses[node] > 0.0) << static_cast<int>(type);
-      height += masses[node] * placed.position(static_cast<int>(node))[1];
-    }
-    const double cell = 1.0 / 3.0; // half a cell of a layer that holds a third of the mass
-    EXPECT_GT(height / sum(masses), 0.5) << static_cast<int>(type);
-    EXPECT_LT(height / sum(masses), 0.5 + 0.5 * cell / 3.0 + 1e-13) << static_cast<int>(type);
   }
+}
+
+// Of two layers of nodes with mass the far one would have to have none: masses stay with the neighbours.
+TEST(LumpedMasses, few_layers) {
+  fem::StructuredBlock::Options options;
+  options.cellType = CellType::Quadrilateral4;
+  options.elements = {2, 2, 1};
+  const fem::PlacedMesh placed = fem::StructuredBlock(options).subdomain(0);
+  std::vector<char> massless(static_cast<std::size_t>(placed.mesh->numberOfNodes()), 0);
+  for (std::size_t node = 0; node < massless.size(); ++node)
+    massless[node] = placed.position(static_cast<int>(node))[1] < 1e-9;
+  const std::vector<double> masses = fem::lumpedMasses(*placed.mesh, {1.0}, massless);
+  EXPECT_NEAR(sum(masses), 1.0, 1e-14);
+  for (std::size_t node = 0; node < masses.size(); ++node)
+    EXPECT_EQ(massless[node] == 0, masses[node] > 0.0);
 }
 
 // A cell all of whose nodes are in contact gives its mass to the nearest that are not.

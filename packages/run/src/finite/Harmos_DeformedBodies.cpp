@@ -10,6 +10,7 @@
 #include "Harmos_Kernel.hpp"
 #include "Harmos_MovedSubdomains.hpp"
 #include "Harmos_Rendezvous.hpp"
+#include "Harmos_RigidTurns.hpp"
 #include "Harmos_Tensors.hpp"
 
 #include <algorithm>
@@ -240,6 +241,32 @@ std::vector<std::optional<feti::Frame>> DeformedBodies::frames(const feti::TornV
     if (const auto q = rotationOf(covariance(*atRest_[i].mesh.mesh, from[i], to[i])))
       frame.emplace(*q, scene_.components());
   }
+  return result;
+}
+
+feti::TornVector DeformedBodies::turned(const feti::TornVector& displacement,
+                                        const feti::TornVector& change) const {
+  const auto components = static_cast<std::size_t>(scene_.components());
+  feti::TornVector result = displacement;
+  RigidTurns turns(scene_.bodies.size(), components);
+  for (std::size_t i = 0; i < atRest_.size(); ++i)
+    turns.add(atRest_[i].body, atRest_[i].mesh, displacement[i], change[i]);
+  turns.sumUp(comm_);
+  for (std::size_t i = 0; i < atRest_.size(); ++i) {
+    const scene::OwnedSubdomain& item = atRest_[i];
+    const std::optional<fem::Tensor> excess =
+        item.mesh.mesh->isAxisymmetric ? std::nullopt : turns.excessOf(item.body);
+    const fem::Point centre = turns.centreOf(item.body);
+    for (std::size_t k = 0; k < result[i].size(); k += components) {
+      const fem::Point place = item.mesh.position(static_cast<int>(k / components));
+      for (std::size_t a = 0; a < components; ++a) {
+        result[i][k + a] += change[i][k + a];
+        for (std::size_t b = 0; b < components && excess; ++b)
+          result[i][k + a] += (*excess)[a][b] * (place[b] + displacement[i][k + b] - centre[b]);
+      }
+    }
+  }
+  joinCopies(result);
   return result;
 }
 

@@ -63,6 +63,10 @@ class DeformedBodies {
   std::vector<std::optional<feti::Frame>> frames(const feti::TornVector& from,
                                                  const feti::TornVector& to) const;
 
+  /// u + du, where each body turns by what is linear in du: the mean W of the skew parts of ∂du/∂x gives way
+  /// to Q − I, Q = (I − W/2)⁻¹(I + W/2), by which the trapezoidal rule turns a rigid body.
+  feti::TornVector turned(const feti::TornVector& displacement, const feti::TornVector& change) const;
+
   /// Of each node.
   int components() const { return scene_.components(); }
 

@@ -348,13 +348,21 @@ bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer, De
                               double& stiffness) {
   const double before = workOf(forces.internal, change.joined),
                ofInertia = motion_ != nullptr ? motion_->stiffnessAlong(change.joined) : 0.0;
+  // Bodies in motion turn by as much as they do in a step, most of it in the first iteration.
+  bool turns = motion_ != nullptr && context_.scene.isFinite() && iterations_ == progress_.before + 1;
   const auto go = [&](double part) {
-    answer = sum(trial_.displacement, part, change.joined);
+    answer = turns ? bodies_.turned(trial_.displacement, change.joined)
+                   : sum(trial_.displacement, part, change.joined);
     forces = balance_.forcesAt(answer);
     const double work = workOf(forces.internal, change.joined) - before + part * ofInertia;
     stiffness = change.merit > 0.0 ? work / (change.merit * change.merit) : 0.0;
     return forces.isSound;
   };
+  if (turns && go(1.0)) {
+    stiffness = 1.0; // of another way than that of the change
+    return true;
+  }
+  turns = false;
   constexpr double least = 1e-3;
   for (double part = 1.0; part > least; part *= 0.5)
     if (go(part))

@@ -89,6 +89,7 @@ void StepSequence::begin() {
   if (motion_) {
     motion_->begin(equilibrium_ ? equilibrium_->forcesAtRest() : run_.loads().loads(0.0));
     energy_->beginWith(run_.loads().factors(0.0));
+    judge_.emplace(*context_.comm, context_.scene, *motion_);
   }
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
@@ -131,7 +132,29 @@ std::string StepSequence::placeText() const {
          timeText(clock_.to()) + "  ";
 }
 
+// Whether a transient step may stand; else it is done again, damped or in parts.
 StepSequence::Outcome StepSequence::attempt() {
+  if (motion_ && watch_.within == nullptr)
+    motion_->damp(false);
+  const Outcome outcome = attemptOnce();
+  if (!motion_ || outcome != Outcome::Accepted)
+    return outcome;
+  judge_->look(run_.contact(), context_.report.contact);
+  if (judge_->isTooLong() && clock_.mayHalve()) {
+    attempt_.failure = "too long for what moves in it";
+    return Outcome::Failed;
+  }
+  if (motion_->isDamped() || !judge_->gains())
+    return outcome;
+  context_.log.info(placeText() + "damped: bodies would part with more energy than they met with");
+  motion_->damp(true);
+  const Outcome damped = attemptOnce();
+  if (damped == Outcome::Accepted)
+    judge_->look(run_.contact(), context_.report.contact);
+  return damped;
+}
+
+StepSequence::Outcome StepSequence::attemptOnce() {
   if (watch_.within == nullptr) {
     states_->begin(advance());
     if (equilibrium_)
@@ -336,6 +359,7 @@ StepSequence::Outcome StepSequence::accept() {
   else
     history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
   if (motion_) {
+    judge_->commit(energy_->stored());
     motion_->commit();
     work_.wantsVectors = work_.wantsVectors || row.products > manyApplications;
   }
@@ -345,9 +369,9 @@ StepSequence::Outcome StepSequence::accept() {
     context_.log.info(text);
   energy_->commit();
   const bool endsStep = clock_.endsStep();
-  const bool isCalm = states_->haste() < calm;
-  clock_.accept();
-  if (isCalm && context_.scene.breaks())
+  const bool isCalm = states_->haste() < calm && (!judge_ || judge_->isCalm());
+  clock_.accept(context_.scene.timeline.timeError() > 0.0);
+  if (isCalm && (context_.scene.breaks() || context_.scene.timeline.timeError() > 0.0))
     clock_.join();
   done_.rows.push_back(row);
   context_.report.steps.push_back(row);
@@ -438,6 +462,10 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
   if (motion_) {
     TornArchive torn(archive, run_.pipeline().system());
     motion_->exchange(torn);
+    judge_->exchange(archive);
+    bool isDamped = motion_->isDamped();
+    archive.number("damped", isDamped);
+    motion_->damp(isDamped);
   }
 }
 

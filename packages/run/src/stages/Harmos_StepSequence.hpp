@@ -10,6 +10,7 @@
 #include "Harmos_RunStages.hpp"
 #include "Harmos_SolutionHistory.hpp"
 #include "Harmos_StepClock.hpp"
+#include "Harmos_StepJudge.hpp"
 
 #include <chrono>
 #include <optional>
@@ -45,6 +46,7 @@ class StepSequence {
   void requireConsistent();
   bool restore();
   Outcome attempt();
+  Outcome attemptOnce();
   Outcome solve();
   Outcome solveFinite();
   bool updateStates(double tolerance);
@@ -101,7 +103,8 @@ class StepSequence {
   std::optional<EnergyAccount> energy_;
   std::optional<EquilibriumLoop> equilibrium_; // of finite displacements
   std::optional<Motion> motion_;               // of transient runs
-  bool prescribesMotion_ = false;              // on any rank
+  std::optional<StepJudge> judge_;
+  bool prescribesMotion_ = false; // on any rank
   StepClock clock_;
   feti::SolutionHistory history_;
   Done done_;

@@ -11,11 +11,12 @@ double StepClock::at(long long part) const {
   return begin + (end - begin) * static_cast<double>(part) / static_cast<double>(parts_);
 }
 
-void StepClock::accept() {
+void StepClock::accept(bool keepsParts) {
   if (++done_ < parts_)
     return;
   ++step_;
-  parts_ = 1;
+  if (!keepsParts)
+    parts_ = 1;
   done_ = 0;
 }
 

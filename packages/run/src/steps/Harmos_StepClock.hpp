@@ -26,8 +26,8 @@ class StepClock {
   bool endsStep() const { return done_ + 1 == parts_; }
   bool isPart() const { return parts_ > 1; }
 
-  /// to() has been reached.
-  void accept();
+  /// to() has been reached. @param keepsParts the deck's next step begins with as many parts.
+  void accept(bool keepsParts = false);
   /// Half of the last part is tried next; false, and nothing is changed, if that were less than the smallest.
   bool halve();
   /// Whether halve() would. A single step is a static state: half of it is none.

@@ -18,6 +18,10 @@ struct GeneralisedAlpha {
                  f = spectralRadius / (spectralRadius + 1.0);
     return {m, f, 0.25 * (1.0 - m + f) * (1.0 - m + f), 0.5 - m + f};
   }
+  /// One that takes forces of the end of a step alone: with a convex potential energy never rises, and
+  /// motions that steps do not resolve are lost (contacts of Kane, Repetto, Ortiz, Marsden, 1999). First
+  /// order.
+  static GeneralisedAlpha damped() { return {0.0, 0.0, 0.5, 1.0}; }
   /// κ: the step has K + κM in the place of K.
   double massFactor(double step) const { return (1.0 - alphaM) / ((1.0 - alphaF) * beta * step * step); }
 };

@@ -14,8 +14,11 @@
 
 namespace Harmos::run {
 
-Motion::Motion(const Teuchos::Comm<int>& comm, const scene::Scene& scene)
-    : comm_(comm), scene_(scene), rule_(GeneralisedAlpha::of(scene.timeline.spectralRadius())) {}
+Motion::Motion(const Teuchos::Comm<int>& comm, const scene::Scene& scene) : comm_(comm), scene_(scene) {}
+
+GeneralisedAlpha Motion::rule() const {
+  return isDamped_ ? GeneralisedAlpha::damped() : GeneralisedAlpha::of(scene_.timeline.spectralRadius());
+}
 
 // Of surfaces that inequalities act on.
 std::vector<char> Motion::nodesInContact(const scene::OwnedSubdomain& subdomain) const {
@@ -70,7 +73,7 @@ std::vector<double> Motion::addedTo(std::size_t subdomain) const {
   std::vector<double> result = masses_[subdomain];
   for (std::size_t k = 0; k < result.size(); ++k)
     result[k] *=
-        isHeld_[subdomain][k] != 0 && !scene_.iterates() ? 1.0 / (step_ * step_) : rule_.massFactor(step_);
+        isHeld_[subdomain][k] != 0 && !scene_.iterates() ? 1.0 / (step_ * step_) : rule().massFactor(step_);
   return result;
 }
 
@@ -78,6 +81,7 @@ std::vector<double> Motion::addedTo(std::size_t subdomain) const {
 std::vector<std::shared_ptr<const LocalMatrix>>
 Motion::matrices(const std::vector<std::shared_ptr<const LocalMatrix>>& stiffness) {
   std::vector<std::shared_ptr<const LocalMatrix>> result;
+  factor_ = rule().massFactor(step_);
   decltype(made_) made;
   for (std::size_t i = 0; i < masses_.size(); ++i) {
     const std::vector<double> added = addedTo(i);
@@ -136,15 +140,17 @@ void Motion::begin(const Loads& loads) {
 
 std::optional<std::vector<std::shared_ptr<const LocalMatrix>>> Motion::matricesOf(double step) {
   constexpr double same = 1e-10; // rounding errors of ends of steps
-  if (std::abs(step - step_) <= same * step_)
+  if (const double before = step_; std::abs(step - before) > same * before)
+    step_ = step;
+  if (rule().massFactor(step_) == factor_)
     return std::nullopt;
-  step_ = step;
   return matrices(stiffness_);
 }
 
 Motion::Loads Motion::pose(const Loads& loads) {
-  const double c2 = 1.0 / (rule_.beta * step_ * step_), c3 = 0.5 / rule_.beta - 1.0;
-  const double share = (1.0 - rule_.alphaM) / (1.0 - rule_.alphaF);
+  const GeneralisedAlpha r = rule();
+  const double c2 = 1.0 / (r.beta * step_ * step_), c3 = 0.5 / r.beta - 1.0;
+  const double share = (1.0 - r.alphaM) / (1.0 - r.alphaF);
   Loads result;
   for (std::size_t i = 0; i < loads.size(); ++i) {
     auto load = std::make_shared<std::vector<double>>(*loads[i]);
@@ -156,7 +162,7 @@ Motion::Loads Motion::pose(const Loads& loads) {
       }
       (*load)[k] +=
           share * m * (c2 * (committed_.displacement[i][k] + step_ * committed_.velocity[i][k]) + c3 * a) -
-          (rule_.alphaM * m * a - rule_.alphaF * committed_.inertia[i][k]) / (1.0 - rule_.alphaF);
+          (r.alphaM * m * a - r.alphaF * committed_.inertia[i][k]) / (1.0 - r.alphaF);
     }
     result.push_back(load);
   }
@@ -166,19 +172,19 @@ Motion::Loads Motion::pose(const Loads& loads) {
 }
 
 Motion::Moved Motion::moved(std::size_t subdomain, std::size_t dof, double way) const {
+  const GeneralisedAlpha r = rule();
   const double m = masses_[subdomain][dof], a0 = committed_.acceleration[subdomain][dof],
                v0 = committed_.velocity[subdomain][dof];
   if (isHeld_[subdomain][dof] != 0) {
     const double a1 = (way / step_ - v0) / step_;
     return {way / step_, a1, m * a1};
   }
-  const double c2 = 1.0 / (rule_.beta * step_ * step_), c3 = 0.5 / rule_.beta - 1.0;
+  const double c2 = 1.0 / (r.beta * step_ * step_), c3 = 0.5 / r.beta - 1.0;
   const double a1 = m > 0.0 ? c2 * (way - step_ * v0) - c3 * a0 : 0.0;
-  const double v1 = m > 0.0 ? v0 + step_ * ((1.0 - rule_.gamma) * a0 + rule_.gamma * a1) : way / step_;
+  const double v1 = m > 0.0 ? v0 + step_ * ((1.0 - r.gamma) * a0 + r.gamma * a1) : way / step_;
   return {v1, a1,
-          (m * ((1.0 - rule_.alphaM) * a1 + rule_.alphaM * a0) -
-           rule_.alphaF * committed_.inertia[subdomain][dof]) /
-              (1.0 - rule_.alphaF)};
+          (m * ((1.0 - r.alphaM) * a1 + r.alphaM * a0) - r.alphaF * committed_.inertia[subdomain][dof]) /
+              (1.0 - r.alphaF)};
 }
 
 feti::TornVector Motion::inertiaOf(const feti::TornVector& displacement) const {
@@ -259,6 +265,17 @@ Motion::Loads Motion::loadsAndInertia() const {
     result.push_back(load);
   }
   return result;
+}
+
+double Motion::error() const {
+  const GeneralisedAlpha r = rule();
+  double sum = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i)
+    for (std::size_t k = 0; k < masses_[i].size(); ++k)
+      if (isHeld_[i][k] == 0)
+        sum += masses_[i][k] * std::pow(reached_.acceleration[i][k] - committed_.acceleration[i][k], 2);
+  constexpr double exact = 1.0 / 6.0;
+  return (r.beta - exact) * step_ * std::sqrt(globalSum(comm_, sum));
 }
 
 double Motion::kineticEnergy() const {

@@ -47,7 +47,17 @@ class Motion {
   /// At rest, but for initial velocities; accelerations are those of the loads. @note Collective.
   void begin(const std::vector<std::shared_ptr<const std::vector<double>>>& loads);
 
-  /// K + κM of steps of another length than before; nothing where it is the same. Local.
+  /// Steps to come are by GeneralisedAlpha::damped(), or by the timeline's own rule.
+  void damp(bool isDamped) { isDamped_ = isDamped; }
+  bool isDamped() const { return isDamped_; }
+  /// Of forces where a step begins, α_f.
+  double weightBefore() const { return rule().alphaF; }
+  /// (β − 1/6)Δt‖a₁ − a₀‖_M of what was reached: the error of the displacement (Zienkiewicz, Xie, Earthq.
+  /// Eng. Struct. Dyn. 20, 1991) over Δt. Over ‖v‖_M it is (ωΔt)²(β − 1/6) of a vibration, with β = ¼ the
+  /// relative error of its period. @note Collective.
+  double error() const;
+
+  /// K + κM of steps of another length or rule than before; nothing where it is the same. Local.
   std::optional<std::vector<std::shared_ptr<const LocalMatrix>>> matricesOf(double step);
   using Loads = std::vector<std::shared_ptr<const std::vector<double>>>;
   /// The step to loads f₁ begins. @return f̂. Local.
@@ -86,6 +96,7 @@ class Motion {
   struct State {
     feti::TornVector displacement, velocity, acceleration, inertia; // M a of each subdomain: i
   };
+  GeneralisedAlpha rule() const;
   std::vector<char> nodesInContact(const scene::OwnedSubdomain& subdomain) const;
   std::vector<double> addedTo(std::size_t subdomain) const;
   std::vector<std::shared_ptr<const LocalMatrix>>
@@ -99,7 +110,7 @@ class Motion {
 
   const Teuchos::Comm<int>& comm_;
   const scene::Scene& scene_;
-  GeneralisedAlpha rule_;
+  bool isDamped_ = false;
   const std::vector<scene::OwnedSubdomain>* owned_ = nullptr;
   feti::TornVector masses_;
   std::vector<std::shared_ptr<const LocalMatrix>> stiffness_;
@@ -109,8 +120,8 @@ class Motion {
   std::map<std::pair<std::shared_ptr<const LocalMatrix>, std::vector<double>>,
            std::shared_ptr<const LocalMatrix>>
       made_;
-  double step_ = 0.0;
-  Loads loads_, posed_; // f₁, f̂
+  double step_ = 0.0, factor_ = 0.0; // Δt, κ of the matrices that were made last
+  Loads loads_, posed_;              // f₁, f̂
   State committed_, reached_;
 };
 

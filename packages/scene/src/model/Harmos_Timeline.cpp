@@ -47,6 +47,8 @@ void addTransientTo(ParameterSpec& steps) {
                "Whether steps are of time. With inertia magnitudes without a \"History\" are constant.");
   steps.real("Spectral radius", 1.0, Range::within(0.0, 1.0),
              "Newmark: what each step leaves of unresolved motions. 1: all of their energy, 0: nothing.");
+  steps.real("Time error", 0.0, Range::within(0.0, 1.0),
+             "Newmark: relative error of periods above which a step is halved. 0: steps are as given.");
 }
 
 } // namespace
@@ -129,6 +131,7 @@ Timeline Timeline::fromDeck(const Teuchos::ParameterList& deck) {
   timeline.isGiven_ = !times.empty();
   if (steps.isParameter("Time integration") && steps.get<std::string>("Time integration") == "Newmark") {
     timeline.integrate(steps.get<double>("Spectral radius"));
+    timeline.keepWithin(steps.get<double>("Time error"));
     timeline.bringUp();
   }
   const Teuchos::ParameterList& histories = steps.sublist("Histories");

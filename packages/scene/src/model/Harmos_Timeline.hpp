@@ -72,6 +72,9 @@ class Timeline {
   /// Whether bodies have inertia, and the spectral radius ρ∞ of their time integration.
   bool isTransient() const { return spectralRadius_.has_value(); }
   double spectralRadius() const { return spectralRadius_.value_or(1.0); }
+  /// Of periods of what moves, relative: steps are halved until they are as exact; 0: they are as given.
+  double timeError() const { return timeError_; }
+  void keepWithin(double timeError) { timeError_ = timeError; }
   /// Makes it transient. @param spectralRadius from 0 to 1: how much of motions stays that steps do not
   /// resolve.
   void integrate(double spectralRadius) { spectralRadius_ = spectralRadius; }
@@ -92,6 +95,7 @@ class Timeline {
   double smallest_ = defaultSmallest;
   bool isGiven_ = false; // the times, by a deck
   std::optional<double> spectralRadius_;
+  double timeError_ = 0.0;
   std::map<std::string, History> histories_;
   std::map<const Effect*, std::string> followed_;
 };
