@@ -83,9 +83,11 @@ def carried(places, steps, where):
     return histories, held
 
 
-def field(directory, name):
-    """Places and values of all nodes in the last result, and its cells."""
-    with h5py.File(sorted(Path(directory).glob("result*.vtkhdf"))[-1], "r") as file:
+def field(directory, name, step=None):
+    """Places and values of all nodes in the last result, or that of a step, and its cells."""
+    files = sorted(Path(directory).glob("result*.vtkhdf"))
+    path = files[-1] if step is None else next(file for file in files if int(file.stem.split("_")[-1]) == step)
+    with h5py.File(path, "r") as file:
         group = file["VTKHDF"]
         points, values = group["Points"][:], group["PointData"][name][:]
         first = np.concatenate([[0], np.cumsum(group["NumberOfPoints"][:])[:-1]])

@@ -167,31 +167,53 @@ class Rates(unittest.TestCase):
             masses[:part + 1] += moved * (factor @ basis)
         return stiffness, masses
 
-    def test_vibration(self):
-        """Clamped, under a traction that rises with time: u = Σ φ_k f_k (t − sin ω_k t/ω_k)/ω_k². Second order."""
+    END = 3.0
+    PULL = {
+        "Prescribed displacement": {"clamp": {"Part": "bar/left", "Displacement": [0.0, 0.0, 0.0]}},
+        "Traction": {"pull": {"Part": "bar/right", "Density": [1.0, 0.0, 0.0], "History": "rise"}},
+    }
+
+    def pulled(self, number, radius, **more):
+        """Clamped, under a traction that rises with time: u = Σ φ_k f_k (t − sin ω_k t/ω_k)/ω_k². @return the run and the
+        largest error of displacements, relative."""
         stiffness, masses = self.chain(self.FEW, False)
         stiffness, masses = stiffness[1:, 1:], masses[1:]
         root = 1.0 / np.sqrt(masses)
         squares, modes = np.linalg.eigh(root[:, None] * stiffness * root[None, :])
         shapes, load = root[:, None] * modes, np.zeros(self.FEW)
         load[-1] = 1.0
-        end = 3.0
-        pulse = end - np.sin(np.sqrt(squares) * end) / np.sqrt(squares)
+        pulse = self.END - np.sin(np.sqrt(squares) * self.END) / np.sqrt(squares)
         exact = np.append(0.0, shapes @ (shapes.T @ load * pulse / squares))
-        effects = {
-            "Prescribed displacement": {"clamp": {"Part": "bar/left", "Displacement": [0.0, 0.0, 0.0]}},
-            "Traction": {"pull": {"Part": "bar/right", "Density": [1.0, 0.0, 0.0], "History": "rise"}},
-        }
+        histories = {"rise": {"Times": [0.0, self.END], "Values": [0.0, self.END]}}
+        times = steps(self.END, number, radius, Histories=histories, **more)
+        run = runs.solved(self, deck(scene({"bar": bar(self.FEW)}, self.PULL, times, 1e-11)), np=2, program="harmos")
+        x, moved, _ = field(run.directory, "displacement")
+        along = np.interp(x[:, 0], np.linspace(0.0, 1.0, self.FEW + 1), exact)
+        return run, np.abs(moved[:, 0] - along).max() / along.max()
+
+    def test_vibration(self):
+        """Second order."""
         for radius in (1.0, 0.5, 0.0):
-            errors, numbers = [], (48, 96, 192, 384)
-            for number in numbers:
-                times = steps(end, number, radius, Histories={"rise": {"Times": [0.0, end], "Values": [0.0, end]}})
-                run = runs.solved(self, deck(scene({"bar": bar(self.FEW)}, effects, times, 1e-11)), np=2, program="harmos")
-                x, moved, _ = field(run.directory, "displacement")
-                along = np.interp(x[:, 0], np.linspace(0.0, 1.0, self.FEW + 1), exact)
-                errors.append(np.abs(moved[:, 0] - along).max() / along.max())
+            numbers = (48, 96, 192, 384)
+            errors = [self.pulled(number, radius)[1] for number in numbers]
             rate = -fitted(numbers, errors)
             self.assertTrue(1.8 < rate < 2.2, (radius, rate, errors))
+
+    def test_steps_by_error(self):
+        """The error of periods that is asked for is that of what comes out, in proportion; steps go as its root."""
+        asked, found = (1e-2, 1e-3, 1e-4), []
+        for error in asked:
+            run, reached = self.pulled(3, 1.0, **{"Time error": error, "Smallest step": 1e-4})
+            time = np.append(0.0, columns(run)["time"])
+            lengths = np.diff(time)
+            self.assertEqual(time[-1], self.END)
+            found.append((error, reached, len(lengths), lengths.max() / lengths.min()))
+        runs.table("Steps by the error of periods", ("asked", "of displacements", "steps", "longest over shortest"),
+                   [(f"{a:g}", f"{e:.1e}", n, f"{r:g}") for a, e, n, r in found])
+        for error, reached, _, _ in found:
+            self.assertTrue(error / 50.0 < reached < 2.0 * error, (error, reached))
+        rate = fitted(asked, [row[2] for row in found])
+        self.assertTrue(-0.65 < rate < -0.35, found)
 
     def test_contact(self):
         """Against a wall: momentum while contact lasts and the time at which it ends. First order or better."""
@@ -403,6 +425,7 @@ class Refusals(unittest.TestCase):
 
         refused(lambda tree: tree["Materials"]["m"].pop("Density"), "Density", "bar")
         refused(lambda tree: tree["Steps"].pop("Time integration"), "initial velocity", "Newmark")
+        refused(lambda tree: tree["Steps"].update({"Time error": -1.0}), "Time error")
         refused(lambda tree: tree["Effects"].update({"Initial velocity": {"v": {
             "Body": "bar", "Angular velocity": [1.0, 0.0, 0.0]}}}), "plane")
 

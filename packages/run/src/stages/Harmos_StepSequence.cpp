@@ -90,6 +90,10 @@ void StepSequence::begin() {
     motion_->begin(equilibrium_ ? equilibrium_->forcesAtRest() : run_.loads().loads(0.0));
     energy_->beginWith(run_.loads().factors(0.0));
     judge_.emplace(*context_.comm, context_.scene, *motion_);
+    if (context_.scene.isFinite() && context_.scene.timeline.spectralRadius() == 1.0)
+      context_.log.warning("\"Steps/Spectral radius\" = 1 at finite displacements: what vibrates too fast "
+                           "for the steps may take "
+                           "energy from bodies that turn, or gain it; 0.9 or less damps it");
   }
   prescribesMotion_ = globalMax(*context_.comm, run_.loads().prescribesMotion() ? 1LL : 0LL) > 0;
   requireConsistent();
@@ -341,6 +345,7 @@ StepSequence::Outcome StepSequence::accept() {
   }
   if (motion_) {
     row.kinetic = motion_->kineticEnergy();
+    row.isDamped = motion_->isDamped();
     row.momentum = motion_->momentum();
   }
   tellFurther(context_.scene, done_.rows.empty() ? nullptr : &done_.rows.back(), row);

@@ -81,7 +81,7 @@ std::vector<std::string> furtherColumns(const scene::Scene& scene) {
   if (scene.iterates())
     columns.insert(columns.end(), {"newton", "factorisations"});
   if (scene.isTransient()) {
-    columns.insert(columns.end(), {"kinetic", "momentum/x", "momentum/y", "momentum/z"});
+    columns.insert(columns.end(), {"kinetic", "damped", "momentum/x", "momentum/y", "momentum/z"});
     for (const std::string& path : scene.contactPaths())
       for (const char* component : {"/x", "/y", "/z"})
         columns.push_back("impulse/" + path + component);
@@ -102,6 +102,7 @@ void tellFurther(const scene::Scene& scene, const StepRow* before, StepRow& row)
   }
   if (scene.isTransient()) {
     row.further.emplace_back("kinetic", row.kinetic);
+    row.further.emplace_back("damped", row.isDamped ? 1.0 : 0.0);
     for (std::size_t d = 0; d < 3; ++d)
       row.further.emplace_back(std::string("momentum/") + "xyz"[d], row.momentum[d]);
     for (const std::string& path : scene.contactPaths())
@@ -110,8 +111,9 @@ void tellFurther(const scene::Scene& scene, const StepRow* before, StepRow& row)
         const double time = before == nullptr ? 0.0 : before->time,
                      force = before == nullptr ? 0.0 : forceOf(*before, path)[d],
                      impulse = before == nullptr ? 0.0 : before->further[place].second;
+        const double now = forceOf(row, path)[d];
         row.further.emplace_back(columns[place],
-                                 impulse + 0.5 * (row.time - time) * (force + forceOf(row, path)[d]));
+                                 impulse + (row.time - time) * (row.isDamped ? now : 0.5 * (force + now)));
       }
   }
 }
@@ -141,6 +143,7 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
     values.push_back(static_cast<double>(row.newton));
     values.push_back(static_cast<double>(row.factorisations));
     values.push_back(row.kinetic);
+    values.push_back(row.isDamped ? 1.0 : 0.0);
     values.insert(values.end(), row.momentum.begin(), row.momentum.end());
     for (const Forces::Of& effect : row.forces)
       for (const fem::Point* vector : {&effect.resultant.force, &effect.resultant.moment})
@@ -149,7 +152,7 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
   archive.numbers("rows of steps", values);
   if (!archive.isReading())
     return;
-  const std::size_t width = StepRow().numbers().size() + 6 + 6 * paths.size();
+  const std::size_t width = StepRow().numbers().size() + 7 + 6 * paths.size();
   if (values.size() % width != 0)
     throw InputError("the steps of the checkpoint have the forces of other effects; restart with the deck of "
                      "the run that wrote it");
@@ -172,8 +175,9 @@ void exchange(qp::StateArchive<MultiVector>& archive, std::vector<StepRow>& rows
     row.newton = static_cast<long long>(v[14]);
     row.factorisations = static_cast<long long>(v[15]);
     row.kinetic = v[16];
-    std::copy_n(v + 17, 3, row.momentum.begin());
-    const double* force = v + 20;
+    row.isDamped = v[17] != 0.0;
+    std::copy_n(v + 18, 3, row.momentum.begin());
+    const double* force = v + 21;
     for (const std::string& path : paths) {
       Forces::Of& effect = row.forces.emplace_back();
       effect.path = path;

@@ -26,6 +26,7 @@ struct StepRow {
   double released = 0.0;                                                  ///< of jumps at constant load
   long long closed = 0, open = 0, sticking = 0, slipping = 0, broken = 0; ///< contact points
   long long newton = 0, factorisations = 0; ///< of finite displacements: iterations; on all ranks
+  bool isDamped = false;                    ///< of transient runs, see StepJudge
   double kinetic = 0.0;                     ///< energy, of transient runs
   std::array<double, 3> momentum = {};      ///< of all bodies, of transient runs
   std::vector<Forces::Of> forces;
@@ -36,8 +37,9 @@ struct StepRow {
 };
 
 /// Further columns of a scene: "history/<name>", the factor of each of the deck's histories, its measures,
-/// "newton" and "factorisations" of finite displacements; of transient runs "kinetic", momenta, and
-/// "impulse/<path>" of obstacles and contacts, ∫F dt by the trapezoidal rule.
+/// "newton" and "factorisations" of finite displacements; of transient runs "kinetic", "damped", momenta, and
+/// "impulse/<path>" of obstacles and contacts, ∫F dt by the trapezoidal rule, of damped steps by
+/// the force at the end.
 std::vector<std::string> furtherColumns(const scene::Scene& scene);
 /// What stands there. @param before the row before, null: none. @param row whose time and forces are known.
 void tellFurther(const scene::Scene& scene, const StepRow* before, StepRow& row);

@@ -18,7 +18,7 @@
 namespace Harmos::run {
 namespace {
 
-const char* const format = "Harmos checkpoint 11";
+const char* const format = "Harmos checkpoint 12";
 const char* const what = "the checkpoint";
 
 using Importer = Tpetra::Import<LocalOrdinal, GlobalOrdinal, Node>;

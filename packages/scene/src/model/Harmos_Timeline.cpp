@@ -45,7 +45,7 @@ void addTransientTo(ParameterSpec& steps) {
                {{"static", "bodies are in equilibrium at every time"},
                 {"Newmark", "bodies have inertia, by the densities of their materials: generalised-α"}},
                "Whether steps are of time. With inertia magnitudes without a \"History\" are constant.");
-  steps.real("Spectral radius", 1.0, Range::within(0.0, 1.0),
+  steps.real("Spectral radius", 0.9, Range::within(0.0, 1.0),
              "Newmark: what each step leaves of unresolved motions. 1: all of their energy, 0: nothing.");
   steps.real("Time error", 0.0, Range::within(0.0, 1.0),
              "Newmark: relative error of periods above which a step is halved. 0: steps are as given.");
