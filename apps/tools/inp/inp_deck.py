@@ -64,6 +64,7 @@ class Conversion:
             self.make_temperatures,
             self.make_equations,
             self.make_contacts,
+            self.make_velocities,
             self.choose_kinematics,
         ):
             try:
@@ -407,6 +408,13 @@ class Conversion:
             for name in self.couple("Contact", "contact", pair, **gaps):
                 if interaction.friction:
                     self.add_effect("Friction", name, Contact=name, Coefficient=interaction.friction)
+
+    def make_velocities(self):
+        for body in self.bodies:
+            nodes = {int(n) for _, _, rows in body.blocks for n in rows.ravel()}
+            velocity = self.model.motion.of_body(body.name, nodes)
+            if velocity is not None:
+                self.add_effect("Initial velocity", body.name, Body=body.name, Velocity=velocity)
 
     def choose_kinematics(self):
         """NLGEOM of any step is that of all."""

@@ -38,6 +38,8 @@ class History:
                 if not points and begin > 0.0 and kind == "boundary":
                     raise ValueError(f"{place}: a support that begins in a later step is not supported")
                 before = points[-1][1] if points else self.at_rest(kind, key)
+                if self.model.motion.there():
+                    before = value  # at once
                 points += self.follow(amplitude, value, begin, end) if amplitude else [(begin, before), (end, value)]
                 current[key] = ((value,), amplitude)
         return result
@@ -69,7 +71,8 @@ class History:
 
     def is_one_state(self):
         rough = any(i.friction for i in self.model.interactions.values())
-        return len(self.model.steps) == 1 and not (rough and self.model.amplitudes)
+        is_rough = rough and self.model.amplitudes
+        return len(self.model.steps) == 1 and not is_rough and not self.model.motion.there()
 
     def of_sum(self, items):
         """Like of(), of a sum of factor · (scalar over time)."""

@@ -32,6 +32,10 @@ class Materials:
     def describe(self, material, section):
         kind, numbers = material.elastic["kind"], material.elastic["numbers"]
         values = {}
+        if self.model.motion.there():
+            if not material.density:
+                raise ValueError(f"{material.place}: *DYNAMIC needs the *DENSITY of each material")
+            values["Density"] = material.density
         uneven = len(set(material.expansion or ())) > 1
         if kind == "ISOTROPIC" and section.orientation and uneven:
             young, ratio = numbers

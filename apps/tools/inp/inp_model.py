@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from inp_file import InpError, number_of
+from inp_motion import Motion
 
 
 @dataclass(frozen=True)
@@ -181,6 +182,7 @@ class Model:
     transforms: dict = field(default_factory=dict)  # node -> (type, six numbers)
     amplitudes: dict = field(default_factory=dict)
     initial: dict = field(default_factory=dict)  # temperature of nodes
+    motion: Motion = field(default_factory=Motion)
     steps: list = field(default_factory=list)
     notes: list = field(default_factory=list)
     nlgeom: str = ""  # where it is asked for first
@@ -240,6 +242,7 @@ OPTIONS = {
     "INITIALCONDITIONS": "TYPE",
     "STEP": "NAME NLGEOM INC INCF PERTURBATION",
     "STATIC": "SOLVER DIRECT",
+    "DYNAMIC": "SOLVER DIRECT ALPHA EXPLICIT",
     "BOUNDARY": "OP AMPLITUDE FIXED USER SUBMODEL",
     "CLOAD": "OP AMPLITUDE USER SECTOR",
     "DLOAD": "OP AMPLITUDE",
@@ -553,6 +556,9 @@ class Reader:
         self.model.amplitudes.setdefault(keyword.option("NAME"), (numbers[0::2], numbers[1::2], is_total))
 
     def take_initial_conditions(self, keyword):
+        if keyword.option("TYPE") == "VELOCITY":
+            self.model.motion.take_velocities(keyword, self.model)
+            return
         if keyword.option("TYPE") != "TEMPERATURE":
             raise ValueError(
                 f"{keyword.place}: *INITIAL CONDITIONS of TYPE={keyword.option('TYPE')} is not supported"
@@ -581,6 +587,9 @@ class Reader:
         step.is_static = True
         if keyword.rows and len(keyword.rows[0].texts) > 1:
             step.period = keyword.rows[0].number(1, 1.0)
+
+    def take_dynamic(self, keyword):
+        self.model.motion.take(keyword, self._of_step(keyword))
 
     def reset(self, kind, keyword):
         """OP=NEW of the first keyword of a kind in a step counts alone."""
@@ -669,8 +678,11 @@ def read_model(keywords):
     model = reader.read(keywords)
     model.steps[0].boundary = reader.before + model.steps[0].boundary
     faults = [
-        f"{step.place}: only static steps (*STATIC) are supported" for step in model.steps if not step.is_static
+        f"{step.place}: only steps of *STATIC and *DYNAMIC are supported"
+        for step in model.steps
+        if not step.is_static and not model.motion.there()
     ]
+    faults += model.motion.faults(model)
     if faults:
         raise InpError(faults)
     return model

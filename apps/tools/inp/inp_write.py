@@ -90,19 +90,25 @@ def deck_of(conversion, mesh_file):
         if any(element.has_mechanisms for element in body.elements):
             entry["Subdomains"] = 1
         deck["Bodies"][body.name] = entry
-    if conversion.history.names or len(conversion.model.steps) > 1:
+    if conversion.model.motion.there():
+        deck["Steps"] = conversion.model.motion.steps(float(conversion.history.step_ends()[-1]))
+        add_histories(conversion, deck["Steps"])
+    elif conversion.history.names or len(conversion.model.steps) > 1:
         ends = conversion.history.step_ends()
         times = set(ends.tolist())
         for points in conversion.history.names:  # but for those of jumps, next to the end of a step
             times |= {t for t, _ in points if t > 0.0 and np.abs(ends - t).min() > 1e-8 * ends[-1]}
-        deck["Steps"] = {"Times": sorted(times), "Histories": {}}
-        for points, name in conversion.history.names.items():
-            deck["Steps"]["Histories"][name] = {
-                "Times": [t for t, _ in points],
-                "Values": [value for _, value in points],
-            }
+        deck["Steps"] = {"Times": sorted(times)}
+        add_histories(conversion, deck["Steps"])
     deck["Effects"] = dict(conversion.effects)
     return {"harmos": deck}
+
+
+def add_histories(conversion, steps):
+    steps["Histories"] = {
+        name: {"Times": [t for t, _ in points], "Values": [value for _, value in points]}
+        for points, name in conversion.history.names.items()
+    }
 
 
 def write_deck(conversion, path, mesh_file):

@@ -6,6 +6,7 @@
 #include "Harmos_ContactSetup.hpp"
 #include "Harmos_Decomposition.hpp"
 #include "Harmos_Exchange.hpp"
+#include "Harmos_Motion.hpp"
 #include "Harmos_ReplicatedCoarse.hpp"
 #include "Harmos_TrilinosVersion.hpp"
 
@@ -301,7 +302,11 @@ void Surveyor::makeSystem(const Teuchos::RCP<const Teuchos::Comm<int>>& comm) {
   scene::checkBoundaryParts(comm_, scene_, owned_);
   survey_.secondsOfMeshes = watch_.lap();
   std::vector<feti::Subdomain> assembled;
-  agree(comm_, [&] { assembled = scene::assemble(scene_, owned_); });
+  agree(comm_, [&] {
+    assembled = scene::assemble(scene_, owned_);
+    if (scene_.isTransient())
+      run::Motion(comm_, scene_).addMasses(owned_, assembled, scene_.timeline.ends().front());
+  });
   system_.emplace(comm, std::move(assembled), run::dirichletForm(scene_, options_));
   survey_.secondsOfAssembly = watch_.lap();
 }

@@ -169,6 +169,7 @@ RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const sc
   plan.survey.steps = static_cast<long long>(scene.timeline.ends().size());
   plan.isOfIterations = scene.iterates();
   plan.survey.secondsOfMeshes += globalMax(*comm, scene.secondsToMake);
+  plan.isTransient = scene.isTransient();
   plan.products = expectedProducts(scene, options);
   for (int ranks : counts)
     plan.rows.push_back(planRow(plan.survey, options, scene.physics != scene::Physics::Membrane,
@@ -187,7 +188,10 @@ std::string planText(const RunPlan& plan) {
        << "), kernel dimension " << s.kernelDimension << ", coarse dimension " << s.coarseDimension << "\n"
        << s.subdomains.size() << " subdomains with " << s.matrices.size() << " distinct matrices; "
        << plan.products.least << " to " << plan.products.most << " applications of F are typical"
-       << (s.steps > 1 ? " in the first of " + std::to_string(s.steps) + " steps" : std::string()) << "\n\n"
+       << (plan.isTransient ? " of a static solve with as many parts" : "")
+       << (s.steps > 1 && !plan.isTransient ? " in the first of " + std::to_string(s.steps) + " steps"
+                                            : std::string())
+       << "\n\n"
        << "    ranks  subdomains  imbalance  MiB per rank: factors   dense  meshes  coarse  | seconds: "
           "set-up  apply F  coarse                 run";
   const bool hasClusters =
@@ -232,6 +236,11 @@ std::string planText(const RunPlan& plan) {
                  "constraints and a solve. The seconds are those of one iteration a step: a run takes a "
                  "multiple.\n"
                : "")
+       << (plan.isTransient ? "Bodies in motion: seconds are those of a static solve. A step takes 2 to 20 "
+                              "applications of F "
+                              "where it is as long as a wave through a cell; more, growing with the parts, "
+                              "where it is longer.\n"
+                            : "")
        << "Rates: " << plan.rates.source
        << ". Seconds exclude the writing of fields. Set-up times are measured here and scaled, factorisation "
           "times predicted.";

@@ -26,6 +26,7 @@ struct RunPlan {
   std::vector<PlanRow> rows;
   int recommended = -1;        ///< place in rows; -1 if no row fits into the memory
   std::string reason;          ///< a sentence
+  bool isTransient = false;    ///< steps are of bodies in motion; seconds are those of a static solve
   bool isOfIterations = false; ///< a step is several solves, at finite displacements; seconds are of one
 };
 
