@@ -367,6 +367,13 @@ class Sweeps(Scripts):
             self.assertEqual(set(item), described("cutting"))
             self.assertGreater(item["metis_seconds"], 0.0)
 
+    def test_transient_steps(self):
+        document = self.script("transient/transient_steps.py", "--size", "0.2", "--steps", "5")
+        self.assertEqual([item["scene"] for item in document["runs"]], ["plane", "plane", "space", "space"])
+        for item in document["runs"]:
+            self.assertEqual(set(item), described("transient_steps"))
+            self.assertEqual(item["steps"], 5)
+
     def test_scaling(self):
         document = self.script("scaling.py", "--cells", "2x8", "--repetitions", "1")
         self.assertEqual([item["kind"] for item in document["speedups"]], ["unshared", "shared"])

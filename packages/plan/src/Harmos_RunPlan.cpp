@@ -149,6 +149,20 @@ nlohmann::ordered_json ratesJson(const feti::Rates& rates) {
   return json;
 }
 
+// What the seconds do not tell.
+std::string remarksOn(const RunPlan& plan) {
+  std::string text;
+  if (plan.isOfIterations)
+    text +=
+        "Finite displacements: a step has several iterations, each with a search for contacts, constraints "
+        "and a solve. The seconds are those of one iteration a step: a run takes a multiple.\n";
+  if (plan.isTransient)
+    text +=
+        "Bodies in motion: seconds are those of a static solve. A step takes 2 to 20 applications of F where "
+        "it is as long as a wave through a cell; more, growing with the parts, where it is longer.\n";
+  return text;
+}
+
 } // namespace
 
 RunPlan makeRunPlan(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const scene::Scene& scene,
@@ -231,17 +245,7 @@ std::string planText(const RunPlan& plan) {
        << " MiB temporarily.\n"
        << "Communication per step on " << ranksText(row.ranks) << ": " << messagesText(row) << "; "
        << coarseText(row) << ".\n"
-       << (plan.isOfIterations
-               ? "Finite displacements: a step has several iterations, each with a search for contacts, "
-                 "constraints and a solve. The seconds are those of one iteration a step: a run takes a "
-                 "multiple.\n"
-               : "")
-       << (plan.isTransient ? "Bodies in motion: seconds are those of a static solve. A step takes 2 to 20 "
-                              "applications of F "
-                              "where it is as long as a wave through a cell; more, growing with the parts, "
-                              "where it is longer.\n"
-                            : "")
-       << "Rates: " << plan.rates.source
+       << remarksOn(plan) << "Rates: " << plan.rates.source
        << ". Seconds exclude the writing of fields. Set-up times are measured here and scaled, factorisation "
           "times predicted.";
   return text.str();

@@ -24,15 +24,23 @@ try:
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
-# Waves take a time of one through the plate.
+# Waves take a time of one through the plate. Masses are lumped here and not there: on cells twice and three times as
+# long displacements differ by 2.5 and 9 %, as the squares.
 INCREMENT, END, PRESSURE = 0.05, 3.0, 0.01
+CELLS = 12
+
+
+def bodies(order):
+    """A stamp that lies on a plate, of one layer of cells, nodes at the same places."""
+    return (
+        box((0.0, 0.0), (4.0, 1.0), (4 * CELLS, CELLS), order, 1),
+        box((1.5, 1.0), (1.0, 0.5), (CELLS, CELLS // 2), order, 100001),
+    )
 
 
 def model(element, amplitude):
-    """A stamp that lies on a plate of the same material."""
-    order = 2 if "20" in element else 1
-    plate = box((0.0, 0.0), (4.0, 1.0), (16, 4), order, 1)
-    stamp = box((1.5, 1.0), (1.0, 0.5), (4, 2), order, 100001)
+    """Both of the same material; the pressure on the stamp goes with the amplitude."""
+    plate, stamp = bodies(2 if "20" in element else 1)
     lines = ["*NODE, NSET=ALL"]
     for places, _ in (plate, stamp):
         lines += [f"{node}, {x:.10g}, {y:.10g}, {z:.10g}" for node, (x, y, z) in places.items()]
@@ -43,9 +51,9 @@ def model(element, amplitude):
             lines += [", ".join(words[:11]) + ("," if words[11:] else "")] + ([", ".join(words[11:])] if words[11:] else [])
     lines += ["*NSET, NSET=GROUND"] + [f"{node}," for node, place in plate[0].items() if place[1] == 0.0]
     lines += ["*NSET, NSET=AXIS"] + [f"{node}," for node, place in stamp[0].items() if place[0] == 2.0]
-    lines += ["*SURFACE, NAME=LOWER"] + [f"{e}, {FACES['above']}" for e, _, j in plate[1] if j == 3]
+    lines += ["*SURFACE, NAME=LOWER"] + [f"{e}, {FACES['above']}" for e, _, j in plate[1] if j == CELLS - 1]
     lines += ["*SURFACE, NAME=UPPER"] + [f"{e}, {FACES['below']}" for e, _, j in stamp[1] if j == 0]
-    lines += ["*SURFACE, NAME=LOADED"] + [f"{e}, {FACES['above']}" for e, _, j in stamp[1] if j == 1]
+    lines += ["*SURFACE, NAME=LOADED"] + [f"{e}, {FACES['above']}" for e, _, j in stamp[1] if j == CELLS // 2 - 1]
     lines += ["*MATERIAL, NAME=SOFT", "*ELASTIC", "1., 0.3", "*DENSITY", "1."]
     lines += ["*SOLID SECTION, ELSET=PLATE, MATERIAL=SOFT", "*SOLID SECTION, ELSET=STAMP, MATERIAL=SOFT"]
     lines += ["*SURFACE INTERACTION, NAME=SI", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", "50., 1e-3"]
@@ -73,28 +81,29 @@ class Stamp(unittest.TestCase):
         status, out, errors = runs.execute([converter, directory / "stamp.inp", "--output", directory / "deck"])
         self.assertEqual(status, 0, out + errors)
         run = runs.solved(self, directory / "deck/stamp.xml", {"Output/Every": 1}, np=2, program="harmos")
-        places = {}
-        for nodes, _ in (box((0.0, 0.0), (4.0, 1.0), (16, 4), 2 if "20" in element else 1, 1),
-                         box((1.5, 1.0), (1.0, 0.5), (4, 2), 2 if "20" in element else 1, 100001)):
-            places |= nodes
+        plate, stamp = bodies(2 if "20" in element else 1)
+        places = plate[0] | stamp[0]
         above = np.array([place[1] >= 1.0 and number > 100000 for number, place in sorted(places.items())])
         differences, scale, count = [], 0.0, round(END / INCREMENT)
         self.assertEqual(len(theirs), count)
         order = np.array([place for _, place in sorted(places.items())])
+        x, _, _ = field(run.directory, "displacement", 1)
+        # Of nodes at one place those of the stamp come last, in both.
+        at = [np.flatnonzero(np.abs(x - place).max(axis=1) < 1e-6) for place in order]
+        rows = np.array([found[-1] if of_stamp else found[0] for found, of_stamp in zip(at, above)])
         for step, known in enumerate(theirs, 1):
-            x, u, _ = field(run.directory, "displacement", step)
-            # Of nodes at one place those of the stamp come last, in both.
-            ours = np.zeros_like(known)
-            for k, place in enumerate(order):
-                at = np.flatnonzero(np.abs(x - place).max(axis=1) < 1e-6)
-                ours[k] = u[at[-1] if above[k] else at[0]]
+            ours = field(run.directory, "displacement", step)[1][rows]
             differences.append(np.abs(ours - known).max())
             scale = max(scale, np.abs(known).max())
         print(element, amplitude, "largest displacement", scale, "differs by at most", max(differences) / scale, flush=True)
         self.assertLess(max(differences) / scale, most)
 
     def test_pressed(self):
-        self.compare("C3D8", (0.0, 0.0, 1.0, 1.0, 100.0, 1.0), 0.02)
+        self.compare("C3D8", (0.0, 0.0, 2.0, 1.0, 100.0, 1.0), 0.02)
+
+    def test_let_go(self):
+        """The stamp is thrown off, and the pressure with it gone comes down once more."""
+        self.compare("C3D8", (0.0, 0.0, 1.0, 1.0, 2.0, 0.0, 100.0, 0.0), 0.02)
 
 
 if __name__ == "__main__":

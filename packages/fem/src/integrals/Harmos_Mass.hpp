@@ -13,10 +13,10 @@ namespace Harmos::fem {
 ///
 /// Nodes in contact may be without mass: what a cell has there goes to its other nodes, so that the mass
 /// stays what it is. Motions of these nodes are in equilibrium at every time then, and contact forces do not
-/// oscillate (Khenous, Laborde, Renard, Eur. J. Mech. A/Solids 27, 2008). So that the body as a whole moves as
-/// it did, masses m become m(1 + p(x)), p the quadratic polynomial that gives centre and moments of inertia
-/// back; a linear one, for the centre alone, or none, where nodes are too few for that with masses of at least
-/// a quarter of m.
+/// oscillate (Khenous, Laborde, Renard, Eur. J. Mech. A/Solids 27, 2008). So that the body as a whole moves
+/// as it did, masses m become m(1 + p(x)), p the quadratic polynomial that gives centre and moments of
+/// inertia back; a linear one, for the centre alone, or none, where nodes are too few for that with masses of
+/// at least a quarter of m.
 /// @param density of each region, mass per volume. @param massless by node; empty: none. Cells all of whose
 /// nodes are give theirs to the nodes nearest by cells.
 /// @throws InputError if no node is left to take mass. Local.

@@ -24,7 +24,7 @@ class Balance {
 
   /// All of these have to outlive it.
   /// @param motion null: forces of inertia are none.
-  Balance(const RunContext& context, RunStages& run, const DeformedBodies& bodies, const Motion* motion)
+  Balance(const RunContext& context, RunStages& run, const DeformedBodies& bodies, Motion* motion)
       : context_(context),
         run_(run),
         bodies_(bodies),
@@ -41,6 +41,8 @@ class Balance {
   /// A step to a time begins. @param begun displacements there, since when points slip; to outlive the step.
   void begin(double time, const feti::TornVector& begun);
   double time() const { return time_; }
+  /// Of bodies that have inertia, or null.
+  Motion* motion() const { return motion_; }
 
   /// Rows of how displacements change from here.
   scene::ContactSetup contactAt(const feti::TornVector& displacement) const;
@@ -76,7 +78,7 @@ class Balance {
   RunContext context_;
   RunStages& run_;
   const DeformedBodies& bodies_;
-  const Motion* motion_;
+  Motion* motion_;
   scene::ContactSetup atRest_;
   MovedBonds bonds_;
   const Locks* locks_ = nullptr;

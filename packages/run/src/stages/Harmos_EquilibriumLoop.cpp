@@ -93,7 +93,6 @@ class WatchedIteration : public feti::DualMonitor {
 EquilibriumLoop::EquilibriumLoop(const RunContext& context, RunStages& run, Motion* motion)
     : context_(context),
       run_(run),
-      motion_(motion),
       bodies_(*context.comm, context.scene, run.owned()),
       balance_(context, run, bodies_, motion),
       mixing_(*context.comm, norm_.weights),
@@ -220,7 +219,8 @@ void EquilibriumLoop::pose(double time, const DeformedBodies::Forces& forces) {
   {
     const auto scope = context_.timers.scope("assembly");
     renewTangent(forces);
-    iterate.tangent = motion_ != nullptr ? motion_->tangentOf(tangent_.tangent()) : tangent_.tangent();
+    iterate.tangent =
+        balance_.motion() != nullptr ? balance_.motion()->tangentOf(tangent_.tangent()) : tangent_.tangent();
     iterate.frames = frames();
     for (std::size_t i = 0; i < internal.size(); ++i) {
       auto load = std::make_shared<std::vector<double>>(*loads[i]);
@@ -347,9 +347,11 @@ double EquilibriumLoop::meritOf(const feti::TornVector& change) const {
 bool EquilibriumLoop::advance(const Change& change, feti::TornVector& answer, DeformedBodies::Forces& forces,
                               double& stiffness) {
   const double before = workOf(forces.internal, change.joined),
-               ofInertia = motion_ != nullptr ? motion_->stiffnessAlong(change.joined) : 0.0;
+               ofInertia =
+                   balance_.motion() != nullptr ? balance_.motion()->stiffnessAlong(change.joined) : 0.0;
   // Bodies in motion turn by as much as they do in a step, most of it in the first iteration.
-  bool turns = motion_ != nullptr && context_.scene.isFinite() && iterations_ == progress_.before + 1;
+  bool turns =
+      balance_.motion() != nullptr && context_.scene.isFinite() && iterations_ == progress_.before + 1;
   const auto go = [&](double part) {
     answer = turns ? bodies_.turned(trial_.displacement, change.joined)
                    : sum(trial_.displacement, part, change.joined);
@@ -445,8 +447,8 @@ EquilibriumLoop::Outcome EquilibriumLoop::solve(double time, const Log& log, Run
 EquilibriumLoop::Outcome EquilibriumLoop::iterate(double time, const Log& log, RunMonitor& monitor,
                                                   const std::function<void()>& save) {
   balance_.begin(time, committed_.displacement);
-  if (motion_ != nullptr)
-    motion_->beginStep(time - committed_.time);
+  if (balance_.motion() != nullptr)
+    balance_.motion()->beginStep(time - committed_.time);
   trial_.time = time;
   DeformedBodies::Forces forces = balance_.forcesAt(trial_.displacement);
   if (!forces.isSound) {
@@ -506,8 +508,8 @@ bool EquilibriumLoop::hasConverged(double time, const feti::TornVector& answer,
   trial_.states = bodies_.statesAfter(answer, time);
   trial_.forceSize = audited.forces;
   work_ = followingWork(time, answer) + thermalWork(answer, forces.energy + forces.dissipated);
-  if (motion_ != nullptr)
-    motion_->reach(answer);
+  if (balance_.motion() != nullptr)
+    balance_.motion()->reach(answer);
   run_.take({change.torn, answer, loads, balance_.reactions(given), audited, &trial_.states});
   trial_.slips.keep(run_.contact(), context_.report.contact);
   return true;
@@ -560,7 +562,8 @@ std::string EquilibriumLoop::instability(const feti::TornVector& answer, const C
                                          RunMonitor& monitor) {
   // Forces of what yields have a kink at each state.
   // Bodies in motion that buckle do so in time.
-  if (!(progress_.scale > 0.0) || !context_.scene.isFinite() || context_.scene.yields() || motion_ != nullptr)
+  if (!(progress_.scale > 0.0) || !context_.scene.isFinite() || context_.scene.yields() ||
+      balance_.motion() != nullptr)
     return {};
   const feti::SolveReport before = context_.report;
   feti::TornVector force = norm_.weights; // to all sides, as hard as bodies are stiff
@@ -614,7 +617,7 @@ double EquilibriumLoop::weighed(const feti::TornVector& values) const {
 // gaps, are known, over the tolerance.
 double EquilibriumLoop::scaleOf(const feti::TornVector& answer, double energy) const {
   return std::max({std::sqrt(2.0 * energy), std::sqrt(2.0 * committed_.energy),
-                   motion_ != nullptr ? motion_->velocityChange(answer) : 0.0,
+                   balance_.motion() != nullptr ? balance_.motion()->velocityChange(answer) : 0.0,
                    roundoff * weighed(answer) / context_.options.tolerance,
                    std::numeric_limits<double>::epsilon() * norm_.ofPlaces / context_.options.tolerance});
 }

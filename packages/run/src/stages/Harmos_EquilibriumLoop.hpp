@@ -134,7 +134,6 @@ class EquilibriumLoop {
 
   RunContext context_;
   RunStages& run_;
-  Motion* motion_;
   DeformedBodies bodies_;
   Balance balance_;
   // By which changes are mixed and judged.

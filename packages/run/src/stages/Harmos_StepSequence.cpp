@@ -69,10 +69,10 @@ Solution StepSequence::go() {
 
 void StepSequence::begin() {
   if (context_.scene.isTransient())
-    motion_.emplace(*context_.comm, context_.scene);
-  run_.setUp(motion_ ? &*motion_ : nullptr);
+    inertia_.emplace(Inertia{{*context_.comm, context_.scene}});
+  run_.setUp(inertia_ ? &inertia_->motion : nullptr);
   if (context_.scene.iterates())
-    equilibrium_.emplace(context_, run_, motion_ ? &*motion_ : nullptr);
+    equilibrium_.emplace(context_, run_, inertia_ ? &inertia_->motion : nullptr);
   // Where the loop finds equilibrium slips are its own, and points of contact may change.
   states_.emplace(*context_.comm, context_.scene,
                   equilibrium_ ? equilibrium_->bonds().points() : run_.contact());
@@ -86,10 +86,10 @@ void StepSequence::begin() {
                   run_.contact().limitedRows > 0 ||
                       (context_.scene.iterates() && context_.scene.hasInterfaceLaws()),
                   context_.scene.breaks());
-  if (motion_) {
-    motion_->begin(equilibrium_ ? equilibrium_->forcesAtRest() : run_.loads().loads(0.0));
+  if (inertia_) {
+    inertia_->motion.begin(equilibrium_ ? equilibrium_->forcesAtRest() : run_.loads().loads(0.0));
     energy_->beginWith(run_.loads().factors(0.0));
-    judge_.emplace(*context_.comm, context_.scene, *motion_);
+    inertia_->judge.emplace(*context_.comm, context_.scene, inertia_->motion);
     if (context_.scene.isFinite() && context_.scene.timeline.spectralRadius() == 1.0)
       context_.log.warning("\"Steps/Spectral radius\" = 1 at finite displacements: what vibrates too fast "
                            "for the steps may take "
@@ -138,23 +138,23 @@ std::string StepSequence::placeText() const {
 
 // Whether a transient step may stand; else it is done again, damped or in parts.
 StepSequence::Outcome StepSequence::attempt() {
-  if (motion_ && watch_.within == nullptr)
-    motion_->damp(false);
+  if (inertia_ && watch_.within == nullptr)
+    inertia_->motion.damp(false);
   const Outcome outcome = attemptOnce();
-  if (!motion_ || outcome != Outcome::Accepted)
+  if (!inertia_ || outcome != Outcome::Accepted)
     return outcome;
-  judge_->look(run_.contact(), context_.report.contact);
-  if (judge_->isTooLong() && clock_.mayHalve()) {
+  inertia_->judge->look(run_.contact(), context_.report.contact);
+  if (inertia_->judge->isTooLong() && clock_.mayHalve()) {
     attempt_.failure = "too long for what moves in it";
     return Outcome::Failed;
   }
-  if (motion_->isDamped() || !judge_->gains())
+  if (inertia_->motion.isDamped() || !inertia_->judge->gains())
     return outcome;
   context_.log.info(placeText() + "damped: bodies would part with more energy than they met with");
-  motion_->damp(true);
+  inertia_->motion.damp(true);
   const Outcome damped = attemptOnce();
   if (damped == Outcome::Accepted)
-    judge_->look(run_.contact(), context_.report.contact);
+    inertia_->judge->look(run_.contact(), context_.report.contact);
   return damped;
 }
 
@@ -212,10 +212,10 @@ void StepSequence::prepare(double time) {
   if (changesBounds)
     bounds_->locks.apply(run_.contact(), rows, time);
   TornLoads loads = run_.loads().loads(time);
-  if (motion_) {
-    if (const auto matrices = motion_->matricesOf(time - clock_.from()))
+  if (inertia_) {
+    if (const auto matrices = inertia_->motion.matricesOf(time - clock_.from()))
       run_.pipeline().setMatrices(*matrices);
-    loads = motion_->pose(loads);
+    loads = inertia_->motion.pose(loads);
   }
   run_.prepare({time, loads, prescribesMotion_ ? &prescribed : nullptr, changesBounds ? &rows : nullptr});
 }
@@ -343,10 +343,10 @@ StepSequence::Outcome StepSequence::accept() {
     row.newton = equilibrium_->iterations();
     row.factorisations = context_.report.factorisations - attempt_.factorisationsBefore;
   }
-  if (motion_) {
-    row.kinetic = motion_->kineticEnergy();
-    row.isDamped = motion_->isDamped();
-    row.momentum = motion_->momentum();
+  if (inertia_) {
+    row.kinetic = inertia_->motion.kineticEnergy();
+    row.isDamped = inertia_->motion.isDamped();
+    row.momentum = inertia_->motion.momentum();
   }
   tellFurther(context_.scene, done_.rows.empty() ? nullptr : &done_.rows.back(), row);
   row.products = attempt_.counters.hessianApplications;
@@ -363,9 +363,9 @@ StepSequence::Outcome StepSequence::accept() {
     equilibrium_->commit();
   else
     history_.add(run_.dualProblem(), run_.torn().multiplier, run_.dualSolution().mu);
-  if (motion_) {
-    judge_->commit(energy_->stored());
-    motion_->commit();
+  if (inertia_) {
+    inertia_->judge->commit(energy_->stored());
+    inertia_->motion.commit();
     work_.wantsVectors = work_.wantsVectors || row.products > manyApplications;
   }
   const double snapped = energy_->snapped();
@@ -374,7 +374,7 @@ StepSequence::Outcome StepSequence::accept() {
     context_.log.info(text);
   energy_->commit();
   const bool endsStep = clock_.endsStep();
-  const bool isCalm = states_->haste() < calm && (!judge_ || judge_->isCalm());
+  const bool isCalm = states_->haste() < calm && (!inertia_ || inertia_->judge->isCalm());
   clock_.accept(context_.scene.timeline.timeError() > 0.0);
   if (isCalm && (context_.scene.breaks() || context_.scene.timeline.timeError() > 0.0))
     clock_.join();
@@ -407,7 +407,7 @@ StepSequence::Outcome StepSequence::look(bool endsStep) {
 // Steps of transient runs are many and short: checkpoints are to take no more than a tenth of all seconds.
 bool StepSequence::savingTakesLong() const {
   constexpr double most = 0.1;
-  return motion_ &&
+  return inertia_ &&
          globalMax(*context_.comm, watch_.saving > most * secondsSince(watch_.begin) ? 1LL : 0LL) > 0;
 }
 
@@ -464,13 +464,13 @@ void StepSequence::exchange(Archive& archive, bool isWithinSolve) {
   history_.exchange(archive, run_.dualProblem());
   if (equilibrium_)
     equilibrium_->exchange(archive, isWithinSolve);
-  if (motion_) {
+  if (inertia_) {
     TornArchive torn(archive, run_.pipeline().system());
-    motion_->exchange(torn);
-    judge_->exchange(archive);
-    bool isDamped = motion_->isDamped();
+    inertia_->motion.exchange(torn);
+    inertia_->judge->exchange(archive);
+    bool isDamped = inertia_->motion.isDamped();
     archive.number("damped", isDamped);
-    motion_->damp(isDamped);
+    inertia_->motion.damp(isDamped);
   }
 }
 
@@ -492,7 +492,7 @@ bool StepSequence::restore() {
   });
   watch_.within = isWithinSolve ? checkpoint : nullptr;
   // The solver would look by itself; loads of a step go on with motions.
-  if (!isWithinSolve && !equilibrium_ && !motion_) {
+  if (!isWithinSolve && !equilibrium_ && !inertia_) {
     prepare(done_.rows.back().time);
     requireSameProblem(*checkpoint, run_.dualProblem(), context_.report.localCondition);
   }

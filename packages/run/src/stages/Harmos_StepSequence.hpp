@@ -102,8 +102,12 @@ class StepSequence {
   std::optional<Bounds> bounds_;
   std::optional<EnergyAccount> energy_;
   std::optional<EquilibriumLoop> equilibrium_; // of finite displacements
-  std::optional<Motion> motion_;               // of transient runs
-  std::optional<StepJudge> judge_;
+  // Of transient runs.
+  struct Inertia {
+    Motion motion;
+    std::optional<StepJudge> judge = std::nullopt;
+  };
+  std::optional<Inertia> inertia_;
   bool prescribesMotion_ = false; // on any rank
   StepClock clock_;
   feti::SolutionHistory history_;
