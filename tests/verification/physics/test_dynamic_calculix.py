@@ -24,8 +24,8 @@ try:
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
-# Waves take a time of one through the plate. Masses are lumped here and not there: on cells twice and three times as
-# long displacements differ by 2.5 and 9 %, as the squares.
+# Waves take a time of one through the plate. Masses are lumped here and not there: with a load that comes up within a
+# time of one displacements differ by 9 % on four cells through the plate, 2.5 on eight and 2.2 on twelve.
 INCREMENT, END, PRESSURE = 0.05, 3.0, 0.01
 CELLS = 12
 
@@ -102,8 +102,8 @@ class Stamp(unittest.TestCase):
         self.compare("C3D8", (0.0, 0.0, 2.0, 1.0, 100.0, 1.0), 0.02)
 
     def test_let_go(self):
-        """The stamp is thrown off, and the pressure with it gone comes down once more."""
-        self.compare("C3D8", (0.0, 0.0, 1.0, 1.0, 2.0, 0.0, 100.0, 0.0), 0.02)
+        """As fast as it came the pressure goes, and the stamp comes off."""
+        self.compare("C3D8", (0.0, 0.0, 1.0, 1.0, 2.0, 0.0, 100.0, 0.0), 0.03)
 
 
 if __name__ == "__main__":
