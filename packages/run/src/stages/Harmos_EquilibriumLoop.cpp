@@ -2,6 +2,7 @@
 #include "Harmos_EquilibriumLoop.hpp"
 
 #include "Harmos_AnswerJudge.hpp"
+#include "Harmos_Errors.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_LeastStiffness.hpp"
 #include "Harmos_PointAlgebra.hpp"
