@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_Application.hpp"
 
+#include "Harmos_AdaptiveRounds.hpp"
 #include "Harmos_Agreement.hpp"
 #include "Harmos_AtomicFile.hpp"
 #include "Harmos_CheckpointFile.hpp"
@@ -216,9 +217,9 @@ std::map<std::string, int> chosenBefore(const Teuchos::Comm<int>& comm, const st
   return chosen;
 }
 
-int runDeck(const Application& application, const ProgramContext& context) {
-  const auto& [comm, line, log, begin] = context;
-  const Teuchos::ParameterList deck = readDeck(context, deckSpec(application));
+namespace {
+
+run::RunOptions optionsOf(const Teuchos::ParameterList& deck, const CommandLine& line) {
   run::RunOptions options = run::RunOptions::fromDeck(deck);
   if (!line.output.empty())
     options.outputDirectory = line.output;
@@ -229,31 +230,35 @@ int runDeck(const Application& application, const ProgramContext& context) {
   options.checkpoint.assignments = line.assignments;
   options.checkpoint.restart = line.restart;
   options.checkpoint.told = Signals::told;
-  plan::PlanRequest planRequest = line.planRequest;
-  planRequest.programMiB = run::peakMemoryMiB();
-  const auto start = std::chrono::steady_clock::now();
-  scene::Scene scene =
-      sceneOf(application, {*comm, deck, directoryOf(line.deck), log, chosenBefore(*comm, line.restart)});
-  options.checkpoint.subdomains = scene.chosenSubdomains;
-  scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (line.parts) {
-    run::showParts(*comm, scene, line.output, log);
-    return exitConverged;
-  }
-  run::checkConsistency(scene, options);
+  return options;
+}
+
+// What is asked for in the place of a run; nothing if that is. @param programMiB before the scene was made.
+std::optional<int> lookOnly(const ProgramContext& context, const scene::Scene& scene,
+                            const run::RunOptions& options, double programMiB) {
+  const CommandLine& line = context.line;
   if (line.check) {
-    run::checkScene(*comm, scene);
+    run::checkScene(*context.comm, scene);
     if (!line.restart.empty())
-      const run::CheckpointReader readable(*comm, run::checkpointPath(line.restart));
-    log.info("The deck \"" + line.deck + "\" is valid.");
+      const run::CheckpointReader readable(*context.comm, run::checkpointPath(line.restart));
+    context.log.info("The deck \"" + line.deck + "\" is valid.");
     return exitConverged;
   }
-  if (line.plan)
-    return planDeck(context, scene, options, planRequest);
-  run::RunReport report;
+  if (!line.plan)
+    return std::nullopt;
+  plan::PlanRequest planRequest = line.planRequest;
+  planRequest.programMiB = programMiB;
+  return planDeck(context, scene, options, planRequest);
+}
+
+// The run, and what the application and adaptation make of it.
+void solveScene(const Application& application, const ProgramContext& context,
+                const Teuchos::ParameterList& deck, const scene::Scene& scene, const run::RunOptions& options,
+                AdaptiveRounds& rounds, run::RunReport& report) {
+  const auto& [comm, line, log, begin] = context;
   report.deck = line.deck;
   try {
-    run::runScene(comm, scene, options, log, begin, report);
+    const run::Solution solution = run::runScene(comm, scene, options, log, begin, report);
     // Steps that failed leave a state of no load that the deck tells of.
     const bool isAtEnd = report.converged || !scene.timeline.hasSteps();
     if (application.evaluate && isAtEnd && !report.isInterrupted()) {
@@ -261,6 +266,8 @@ int runDeck(const Application& application, const ProgramContext& context) {
       for (const auto& [name, value] : report.results)
         log.info(name + ": " + scientific(value, 6));
     }
+    if (rounds.isAsked() && !report.isInterrupted())
+      log.info(rounds.judge(scene, solution, report));
   } catch (const Error& error) {
     leaveSummary(context, options, report, error);
     throw;
@@ -270,7 +277,9 @@ int runDeck(const Application& application, const ProgramContext& context) {
     throw;
   }
   run::writeSummary(*comm, options, report);
-  const bool hasSteps = scene.timeline.hasSteps();
+}
+
+int tellEnd(const Log& log, const run::RunOptions& options, const run::RunReport& report, bool hasSteps) {
   log.info("Results in \"" + options.outputDirectory + "\": summary.json, iterations.csv" +
            (report.isInterrupted() ? ", checkpoint.h5" : "") + (hasSteps ? ", steps.csv" : "") +
            (!options.writeFields      ? ""
@@ -284,6 +293,38 @@ int runDeck(const Application& application, const ProgramContext& context) {
   if (!report.converged)
     log.error("the solver did not converge: " + report.reason);
   return report.converged ? exitConverged : exitNotConverged;
+}
+
+} // namespace
+
+int runDeck(const Application& application, const ProgramContext& context) {
+  const auto& [comm, line, log, begin] = context;
+  const Teuchos::ParameterList deck = readDeck(context, deckSpec(application));
+  run::RunOptions options = optionsOf(deck, line);
+  AdaptiveRounds rounds(*comm, deck);
+  const double programMiB = run::peakMemoryMiB();
+  while (true) {
+    rounds.begin();
+    const auto start = std::chrono::steady_clock::now();
+    scene::Scene scene = sceneOf(application, {*comm, deck, directoryOf(line.deck), log,
+                                               chosenBefore(*comm, line.restart), rounds.sizes()});
+    options.checkpoint.subdomains = scene.chosenSubdomains;
+    scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (line.parts) {
+      run::showParts(*comm, scene, line.output, log);
+      return exitConverged;
+    }
+    run::checkConsistency(scene, options);
+    rounds.check(scene, options);
+    if (const std::optional<int> status = lookOnly(context, scene, options, programMiB))
+      return *status;
+    run::RunReport report;
+    solveScene(application, context, deck, scene, options, rounds, report);
+    if (rounds.isAsked() && !report.isInterrupted())
+      rounds.write(options.outputDirectory);
+    if (!rounds.isAsked() || rounds.isOver() || report.isInterrupted())
+      return tellEnd(log, options, report, scene.timeline.hasSteps());
+  }
 }
 
 Teuchos::ParameterList readDeck(const ProgramContext& context, const ParameterSpec& spec) {
@@ -309,6 +350,8 @@ ParameterSpec deckSpec(const Application& application) {
   ParameterSpec spec(application.name, "Deck of " + application.name + ": " + application.description);
   application.addParameters(spec);
   run::RunOptions::addTo(spec, application.mayBeTransient);
+  if (application.mayAdapt)
+    addAdaptivityTo(spec);
   return spec;
 }
 

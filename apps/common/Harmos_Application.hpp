@@ -9,6 +9,7 @@
 #include "Harmos_RunPlan.hpp"
 #include "Harmos_RunReport.hpp"
 #include "Harmos_Scene.hpp"
+#include "Harmos_SizeField.hpp"
 
 #include <Teuchos_Comm.hpp>
 #include <Teuchos_ParameterList.hpp>
@@ -30,6 +31,8 @@ struct DeckContext {
   std::string directory;              ///< of the deck, with a slash: what its file names are relative to
   const Log& log;
   std::map<std::string, int> chosenSubdomains = {}; ///< of the run that this one goes on with
+  /// Of the cells of geometries that are meshed; null: as these have them.
+  std::shared_ptr<const fem::SizeField> sizes = nullptr;
 };
 
 /// What distinguishes one application from another: its part of the deck, and the scene it makes of it.
@@ -45,6 +48,7 @@ struct Application {
   /// The effects that its decks may name, for --list-effects; null if its decks name none.
   std::shared_ptr<const scene::EffectRegistry> effects;
   bool mayBeTransient = false; ///< whether its materials have densities
+  bool mayAdapt = false;       ///< whether it reads geometries, which may be meshed anew
 };
 
 /// The command line, as far as a program has to know it.

@@ -391,7 +391,9 @@ std::vector<Blocks> readBlocks(const DeckContext& context, const std::string& fi
   for (std::size_t b : which)
     wanted.push_back(
         {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
-  return fem::groupedByBody(fem::readGmsh(file, wanted, dimension));
+  fem::GmshMeshing meshing;
+  meshing.sizes = context.sizes;
+  return fem::groupedByBody(fem::readGmsh(file, wanted, dimension, meshing));
 }
 
 // A body that is cut, on rank 0; on the others nothing is in it.

@@ -22,6 +22,7 @@ Application harmosApplication(KinematicsChoice kinematics) {
   };
   application.effects = registry;
   application.mayBeTransient = kinematics == KinematicsChoice::Offered;
+  application.mayAdapt = kinematics == KinematicsChoice::Offered;
   return application;
 }
 

@@ -2,10 +2,13 @@
 #include "Harmos_CellBasis.hpp"
 #include "Harmos_ErrorNorms.hpp"
 #include "Harmos_ReferenceElement.hpp"
+#include "Harmos_SizeField.hpp"
 #include "Harmos_TestBodies.hpp"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <random>
 
 namespace test_point_locator {
@@ -229,6 +232,38 @@ TEST(ErrorNorms, membranes) {
   // The interpolants on 8 and on 4 cells differ by hats of height (1/8)² at the middles: slope ±1/8.
   EXPECT_NEAR(errors.energy, 1.0 / 64.0, 1e-13);
   EXPECT_NEAR(errors.l2, std::pow(1.0 / 64.0, 2) / 3.0, 1e-15);
+}
+
+// Against a look at all places, in space, in a plane and on a line, with places that are equal.
+TEST(SizeField, nearest_place) {
+  std::minstd_rand random(7);
+  const auto number = [&random] { return static_cast<double>(random()) / std::minstd_rand::max(); };
+  for (std::size_t dimension = 1; dimension <= 3; ++dimension) {
+    std::vector<Point> places;
+    std::vector<double> sizes;
+    for (int k = 0; k < 300; ++k) {
+      Point place{};
+      for (std::size_t d = 0; d < dimension; ++d)
+        place[d] = number() * number();
+      places.push_back(k % 10 == 9 ? places.back() : place);
+      sizes.push_back(1.0 + k);
+    }
+    const fem::SizeField field(places, sizes);
+    for (int k = 0; k < 200; ++k) {
+      const Point at = {2.0 * number() - 0.5, 2.0 * number() - 0.5, number()};
+      const auto square = [&at](const Point& place) {
+        double sum = 0.0;
+        for (std::size_t d = 0; d < 3; ++d)
+          sum += (at[d] - place[d]) * (at[d] - place[d]);
+        return sum;
+      };
+      double least = std::numeric_limits<double>::max();
+      for (const Point& place : places)
+        least = std::min(least, square(place));
+      EXPECT_EQ(square(places[field.nearest(at)]), least);
+      EXPECT_EQ(field(at), sizes[field.nearest(at)]);
+    }
+  }
 }
 
 } // namespace test_point_locator

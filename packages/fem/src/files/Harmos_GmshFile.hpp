@@ -2,7 +2,9 @@
 #pragma once
 
 #include "Harmos_BodyMesh.hpp"
+#include "Harmos_SizeField.hpp"
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -20,7 +22,9 @@ struct GmshMeshing {
   double size = 0.0; ///< the longest edge, about
   int perCircle = 0; ///< edges around a full circle where the geometry is curved
   int order = 0;     ///< 1 or 2
-  bool isGiven() const { return size > 0.0 || perCircle > 0 || order > 0; }
+  /// In the place of what the geometry says of sizes, but for those by curvature; null: none.
+  std::shared_ptr<const SizeField> sizes = nullptr;
+  bool isGiven() const { return size > 0.0 || perCircle > 0 || order > 0 || sizes != nullptr; }
 };
 
 /// Whether this build can read Gmsh's files (CMake option HARMOS_ENABLE_GMSH).

@@ -47,6 +47,15 @@ void prescribe(const GmshMeshing& meshing) {
     gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", meshing.perCircle);
   if (meshing.order > 0)
     gmsh::option::setNumber("Mesh.ElementOrder", meshing.order);
+  if (meshing.sizes == nullptr)
+    return;
+  for (const char* source : {"Mesh.MeshSizeFromPoints", "Mesh.MeshSizeExtendFromBoundary"})
+    gmsh::option::setNumber(source, 0.0);
+  // Of places that Gmsh asks for; newer releases add what they would take by themselves.
+  gmsh::model::mesh::setSizeCallback(
+      [sizes = meshing.sizes](int, int, double x, double y, double z, auto...) {
+        return (*sizes)({x, y, z});
+      });
 }
 
 } // namespace

@@ -254,6 +254,8 @@ RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
   const std::vector<VoigtMatrix> compliance =
       elasticity != nullptr ? compliances(*elasticity) : std::vector<VoigtMatrix>{};
   RecoveryError result;
+  result.cells.assign(solutions.size(),
+                      std::vector<double>(static_cast<std::size_t>(mesh.numberOfCells()), -1.0));
   const auto size = static_cast<std::size_t>(cell.basisSize()),
              points = static_cast<std::size_t>(cell.points());
   std::vector<double> basis; // the same in all cells
@@ -285,17 +287,19 @@ RecoveryError errorOf(const Mesh& mesh, const Elasticity* elasticity,
         counts = counts && regions[0] == regions[1];
         std::copy_n(recovered[k]->weighted[node].begin(), Entries, nodal[i].begin());
       }
+      double error = counts ? 0.0 : -1.0;
       for (std::size_t q = 0; q < points; ++q) {
         const double measure = cell.measure(static_cast<int>(q));
         Stress<Entries> difference = stress.at(static_cast<int>(q));
         result.energy += measure * product(difference);
-        if (!counts)
-          continue;
-        for (std::size_t i = 0; i < size; ++i)
+        for (std::size_t i = 0; i < size && counts; ++i)
           for (std::size_t r = 0; r < Entries; ++r)
             difference[r] -= basis[q * size + i] * nodal[i][r];
-        result.error += measure * product(difference);
+        const double part = counts ? measure * product(difference) : 0.0;
+        result.error += part;
+        error += part;
       }
+      result.cells[k][static_cast<std::size_t>(c)] = error;
     }
   }
   return result;

@@ -49,6 +49,8 @@ std::vector<StressSums> fluxSums(const Mesh& mesh, const std::vector<NodalSoluti
 struct RecoveryError {
   double error = 0.0;  ///< ∫ (σ* − σ_h) : C⁻¹ : (σ* − σ_h)
   double energy = 0.0; ///< ∫ σ_h : C⁻¹ : σ_h
+  /// Of each cell of each solution the error; less than zero: it counts nothing, and is not known.
+  std::vector<std::vector<double>> cells = {};
 };
 /// @param recovered of each solution: the mean stresses, in the place of the sums. Cells at nodes where
 /// regions meet count nothing towards the error: stresses jump there, and the mean is no better than they

@@ -153,22 +153,26 @@ std::vector<std::vector<fem::Voigt>> cellStresses(const scene::Scene& scene,
 feti::DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm,
                                                       const scene::Scene& scene,
                                                       const std::vector<scene::OwnedSubdomain>& owned,
-                                                      const feti::TornVector& displacement, double time) {
+                                                      const feti::TornVector& displacement, double time,
+                                                      std::vector<std::vector<double>>* cells) {
   const std::vector<Group> groups = groupsOf(scene, owned, displacement, time);
   const std::vector<fem::StressSums> means = nodalStresses(comm, scene, owned, groups);
   std::vector<double> squares(2, 0.0);
+  if (cells != nullptr)
+    cells->assign(owned.size(), {});
   agree(comm, [&] {
     for (const Group& group : groups) {
       std::vector<const fem::StressSums*> recovered;
       for (std::size_t i : group.members)
         recovered.push_back(&means[i]);
-      const fem::RecoveryError part =
-          scene.physics == scene::Physics::Membrane
-              ? fem::fluxRecoveryError(*group.mesh, group.solutions, recovered)
-              : fem::recoveryError(*group.mesh, scene::elasticityOf(scene, *group.body), group.solutions,
-                                   recovered);
+      fem::RecoveryError part = scene.physics == scene::Physics::Membrane
+                                    ? fem::fluxRecoveryError(*group.mesh, group.solutions, recovered)
+                                    : fem::recoveryError(*group.mesh, scene::elasticityOf(scene, *group.body),
+                                                         group.solutions, recovered);
       squares[0] += part.error;
       squares[1] += part.energy;
+      for (std::size_t k = 0; k < group.members.size() && cells != nullptr; ++k)
+        (*cells)[group.members[k]] = std::move(part.cells[k]);
     }
   });
   globalSum(comm, squares);

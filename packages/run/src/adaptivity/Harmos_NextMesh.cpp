@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Harmos_NextMesh.hpp"
+
+#include "Harmos_CellType.hpp"
+#include "Harmos_Errors.hpp"
+#include "Harmos_Exchange.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace Harmos::run {
+namespace {
+
+// The mean distance of two corners, over that of a cell whose edges have the length one: those that make a
+// mesh of simplices have no others.
+double meanEdge(const fem::PlacedMesh& placed, int cell) {
+  const fem::CellShape& shape = fem::shapeOf(placed.mesh->cellType);
+  const int* nodes = placed.mesh->cell(cell);
+  double sum = 0.0, unit = 0.0;
+  int pairs = 0;
+  for (int a = 0; a < shape.corners; ++a)
+    for (int b = 0; b < a; ++b, ++pairs) {
+      const fem::Point x = placed.position(nodes[a]), y = placed.position(nodes[b]);
+      sum += std::hypot(x[0] - y[0], x[1] - y[1], x[2] - y[2]);
+      const fem::Point& u = shape.nodeCoordinates[static_cast<std::size_t>(a)];
+      const fem::Point& v = shape.nodeCoordinates[static_cast<std::size_t>(b)];
+      const double side = shape.isSimplex ? 1.0 : std::hypot(u[0] - v[0], u[1] - v[1], u[2] - v[2]);
+      unit += side;
+    }
+  // Reference cells that are no simplices have edges of this length.
+  const fem::Point& u = shape.nodeCoordinates[0];
+  const fem::Point& v = shape.nodeCoordinates[1];
+  const double edge = shape.isSimplex ? 1.0 : std::hypot(u[0] - v[0], u[1] - v[1], u[2] - v[2]);
+  return sum / unit * edge;
+}
+
+} // namespace
+
+std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
+                                  const std::vector<scene::OwnedSubdomain>& owned,
+                                  const std::vector<std::vector<double>>& squares) {
+  std::vector<CellError> own;
+  for (std::size_t i = 0; i < owned.size(); ++i) {
+    const fem::PlacedMesh& placed = owned[i].mesh;
+    const int corners = fem::shapeOf(placed.mesh->cellType).corners;
+    for (int cell = 0; cell < placed.mesh->numberOfCells(); ++cell) {
+      CellError item = {{}, meanEdge(placed, cell), squares[i][static_cast<std::size_t>(cell)]};
+      for (int a = 0; a < corners; ++a)
+        for (std::size_t d = 0; d < 3; ++d)
+          item.centre[d] += placed.position(placed.mesh->cell(cell)[a])[d] / corners;
+      own.push_back(item);
+    }
+  }
+  return gatherAll(comm, own);
+}
+
+NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal) {
+  constexpr double finest = 0.25, coarsest = 2.0;
+  const double p = goal.order, d = goal.dimension;
+  double sum = 0.0;
+  std::vector<fem::Point> known;
+  for (const CellError& cell : cells)
+    if (cell.square >= 0.0) {
+      sum += std::pow(cell.square, d / (2.0 * p + d));
+      known.push_back(cell.centre);
+    }
+  if (known.empty())
+    throw InternalError("nothing is known of the error of any cell");
+  const double c = std::pow(goal.error * goal.error / sum, 0.5 / p);
+  std::vector<double> factors;
+  for (const CellError& cell : cells)
+    if (cell.square >= 0.0)
+      factors.push_back(cell.square > 0.0
+                            ? std::clamp(c * std::pow(cell.square, -1.0 / (2.0 * p + d)), finest, coarsest)
+                            : coarsest);
+  const fem::SizeField field(std::move(known), factors);
+  NextMesh result = {nullptr, 0.0};
+  std::vector<fem::Point> places;
+  std::vector<double> sizes;
+  for (const CellError& cell : cells) {
+    const double factor = field(cell.centre);
+    places.push_back(cell.centre);
+    sizes.push_back(factor * cell.size);
+    result.cells += std::pow(factor, -d);
+  }
+  if (goal.maximumCells > 0.0 && result.cells > goal.maximumCells) {
+    const double more = std::pow(result.cells / goal.maximumCells, 1.0 / d);
+    for (double& size : sizes)
+      size *= more;
+    result.cells = goal.maximumCells;
+  }
+  result.sizes = std::make_shared<const fem::SizeField>(std::move(places), std::move(sizes));
+  return result;
+}
+
+} // namespace Harmos::run

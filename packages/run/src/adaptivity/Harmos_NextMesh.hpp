@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "Harmos_OwnedSubdomain.hpp"
+#include "Harmos_SizeField.hpp"
+
+#include <Teuchos_Comm.hpp>
+
+#include <memory>
+#include <vector>
+
+namespace Harmos::run {
+
+/// A cell, and what is estimated of its error.
+struct CellError {
+  fem::Point centre;
+  double size;   ///< of its edges, in the mean
+  double square; ///< of its error in the energy norm; less than zero: not known
+};
+
+/// Of all cells of all ranks, on every one of them. @param squares of the cells of each of this rank's
+/// subdomains, see estimateDiscretisationError(). @note Collective.
+std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
+                                  const std::vector<scene::OwnedSubdomain>& owned,
+                                  const std::vector<std::vector<double>>& squares);
+
+/// What a mesh is to be.
+struct MeshGoal {
+  double error;        ///< in the energy norm
+  int order;           ///< p of its elements
+  int dimension;       ///< d
+  double maximumCells; ///< 0: no limit
+};
+
+struct NextMesh {
+  std::shared_ptr<const fem::SizeField> sizes;
+  double cells; ///< how many there will be, about
+};
+
+/// The mesh of fewest cells whose error is what is asked for, if that of a cell goes with its size as η_i² ~
+/// h^2p, and their number as h^−d:
+///
+///     h_i ← r_i h_i,  r_i = C η_i^(−2/(2p+d)),  C^2p Σ η_i^(2d/(2p+d)) = E²
+///
+/// (all cells then have the same error: Zienkiewicz, Zhu 1987; Li, Bettess, Commun. Numer. Meth. Engng. 11,
+/// 1995). Factors are kept from 1/4 to 2: what is estimated on one mesh holds for meshes near to it. Cells of
+/// which nothing is known have the factor of the nearest one. Where there would be too many cells all are
+/// larger by one factor.
+/// @throws InternalError for no cells. Local. Guarded by tests/unit/run/test_next_mesh.cpp.
+NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal);
+
+} // namespace Harmos::run

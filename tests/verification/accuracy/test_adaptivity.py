@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Meshes that follow the estimated error: a re-entrant corner, and a cylinder on an obstacle.
+
+What it guards against: an estimate that is not the error; sizes that do not follow from it; rounds that end too early or
+never; results that are not those of the last mesh; what does not go with it and is taken.
+"""
+
+import csv
+import math
+import sys
+import unittest
+from pathlib import Path
+
+TESTS = Path(__file__).resolve().parents[2]
+sys.path[:0] = [str(TESTS / "support"), str(TESTS / "verification/finite")]
+
+import harmos_runs as runs  # noqa: E402
+
+try:
+    import numpy as np
+    from finite_scenes import deck, field, geometry
+except ImportError as error:
+    runs.skip(f"{error.name} is not installed")
+
+
+def fitted(sizes, errors):
+    return np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+
+
+def corner(size, order=1):
+    """A square without a quarter, held at one end of the L and pulled at the other."""
+    return geometry(f"""
+lc = {size!r};
+Point(1) = {{0, 0, 0, lc}}; Point(2) = {{1, 0, 0, lc}}; Point(3) = {{1, 1, 0, lc}};
+Point(4) = {{-1, 1, 0, lc}}; Point(5) = {{-1, -1, 0, lc}}; Point(6) = {{0, -1, 0, lc}};
+Line(1) = {{1, 2}}; Line(2) = {{2, 3}}; Line(3) = {{3, 4}}; Line(4) = {{4, 5}}; Line(5) = {{5, 6}}; Line(6) = {{6, 1}};
+Curve Loop(1) = {{1, 2, 3, 4, 5, 6}}; Plane Surface(1) = {{1}};
+Physical Surface("body") = {{1}}; Physical Curve("held") = {{5}}; Physical Curve("pulled") = {{2}};
+Mesh.ElementOrder = {order};
+""")
+
+
+def scene(mesh, physics, effects, adaptivity):
+    return {
+        "Model": {"Physics": physics, "Mesh file": mesh},
+        "Materials": {"m": {"Young's modulus": 1.0, "Poisson's ratio": 0.3}},
+        "Bodies": {"body": {"Materials": ["m"], "Subdomains": 8}},
+        "Solver": {"Tolerance": 1e-9}, "Effects": effects, "Adaptivity": adaptivity,
+    }
+
+
+PULL = {
+    "Prescribed displacement": {"end": {"Part": "body/held", "Displacement": [0.0, 0.0, 0.0]}},
+    "Traction": {"pull": {"Part": "body/pulled", "Density": [0.0, 1.0, 0.0]}},
+}
+
+
+def rounds_of(run):
+    with open(Path(run.directory) / "rounds.csv", newline="", encoding="utf-8") as file:
+        return [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+
+
+class Corner(unittest.TestCase):
+    def rounds(self, mesh, adaptivity):
+        run = runs.solved(self, deck(scene(mesh, "plane strain", PULL, adaptivity)), np=2, program="harmos")
+        return run, rounds_of(run)
+
+    def exact(self, rows):
+        """Energy of the body, by the fastest of these."""
+        _, rows = self.rounds(corner(0.2, 2), {"Rounds": 12, "Target error": 2e-3})
+        return rows[-1]["energy"]
+
+    def test_rates(self):
+        """Error over dofs: as the power −1/2 with linear triangles and −1 with quadratic ones on adapted meshes; on uniform
+        ones as λ/2 = 0.27, λ = 0.5445 of the corner of 270° (Williams 1952)."""
+        exact = self.exact(None)
+        found = []
+        for order, target in ((1, 0.02), (2, 0.004)):
+            run, rows = self.rounds(corner(0.4, order), {"Rounds": 12, "Target error": target})
+            errors = [math.sqrt(max(0.0, 1.0 - row["energy"] / exact)) for row in rows]
+            found += [(order, int(row["cells"]), int(row["dofs"]), f"{row['estimated_error']:.4f}", f"{error:.4f}",
+                       f"{row['seconds']:.2f}") for row, error in zip(rows, errors)]
+            self.assertLess(rows[-1]["estimated_error"], target)
+            late = [k for k in range(len(rows)) if rows[k]["estimated_error"] < 8.0 * target]
+            rate = -fitted([rows[k]["dofs"] for k in late], [errors[k] for k in late])
+            self.assertTrue(0.8 * order / 2.0 < rate < 1.5 * order / 2.0, (order, rate, found))
+            # In the rounds before, cells at the corner are too large for stresses to be recovered there.
+            for k in [k for k in late if rows[k]["estimated_error"] < 1.3 * target]:
+                self.assertTrue(0.7 < rows[k]["estimated_error"] / errors[k] < 2.0, (order, rows[k], errors[k]))
+            self.assertGreater(len(late), 3)
+            # The last round's results are in the directory, those before beside.
+            self.assertEqual(run.summary["primal_dimension"], rows[-1]["dofs"])
+            self.assertAlmostEqual(run.summary["results"]["estimated_error"], rows[-1]["estimated_error"], delta=1e-9)
+            self.assertTrue((Path(run.directory) / "round_1/summary.json").is_file())
+            self.assertTrue((Path(run.directory) / "result.vtkhdf").is_file())
+
+        runs.table("Re-entrant corner", ("order", "cells", "dofs", "estimated", "true", "seconds"), found)
+
+    def test_limit_of_cells(self):
+        _, rows = self.rounds(corner(0.3), {"Rounds": 8, "Target error": 0.001, "Maximum cells": 2000})
+        self.assertLess(rows[-1]["cells"], 2600)
+        self.assertLess(len(rows), 9)
+
+
+class Contact(unittest.TestCase):
+    def test_cylinder(self):
+        """Half a cylinder pressed onto a rigid plane: cells become small where it touches, and the force over the width of
+        the contact comes to Hertz'."""
+        mesh = geometry("""
+SetFactory("OpenCASCADE");
+Disk(1) = {0, 1, 0, 1}; Rectangle(2) = {-2, 1, 0, 4, 2};
+BooleanDifference(3) = { Surface{1}; Delete; }{ Surface{2}; Delete; };
+sole() = Curve In BoundingBox{-1.01, -0.01, -0.01, 1.01, 1.01, 0.01};
+top() = Curve In BoundingBox{-1.01, 0.99, -0.01, 1.01, 1.01, 0.01};
+Physical Surface("body") = {3}; Physical Curve("top") = {top()}; sole() -= {top()}; Physical Curve("sole") = {sole()};
+Mesh.MeshSizeMax = 0.3;
+""")
+        press = 2e-4
+        tree = scene(mesh, "plane strain", {
+            "Obstacle": {"floor": {"Part": "body/sole"}},
+            "Prescribed displacement": {"press": {"Part": "body/top", "Displacement": [0.0, -press, 0.0]}},
+        }, {"Rounds": 12, "Target error": 0.06})
+        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        rows = rounds_of(run)
+        found = [(int(row["cells"]), int(row["dofs"]), f"{row['estimated_error']:.3f}", f"{row['seconds']:.2f}") for row in rows]
+        runs.table("Cylinder on a plane", ("cells", "dofs", "estimated", "seconds"), found)
+        self.assertLess(rows[-1]["estimated_error"], 0.06)
+        force = abs(run.summary["forces"]["Obstacle/floor"]["force"][1])
+        # Johnson: Contact Mechanics, 1985, 4.2: the peak pressure √(FE*/πR), of radius one.
+        peak = math.sqrt(force / (1.0 - 0.3**2) / math.pi)
+        pressure = field(run.directory, "contact_pressure")[1].max()
+        print("force", force, "peak", pressure / peak)
+        self.assertLess(abs(pressure / peak - 1.0), 0.05)
+
+
+class Refusals(unittest.TestCase):
+    def refused(self, tree, *words):
+        run = runs.start([deck(tree)], 2, program="harmos")
+        self.assertNotEqual(run.returncode, 0)
+        for word in words:
+            self.assertIn(word, str(run.errors))
+
+    def test_what_does_not_go_with_it(self):
+        tree = scene(corner(0.5), "plane strain", PULL, {"Rounds": 2})
+        tree["Model"]["Kinematics"] = "finite"
+        self.refused(tree, "Adaptivity", "finite")
+        tree = scene(corner(0.5), "plane strain", PULL, {"Rounds": 2})
+        tree["Bodies"] = {"body": {
+            "Source": "block", "Size": [1.0, 1.0, 1.0], "Subdomains a side": [2, 1, 1], "Elements a side": [2, 4, 1],
+            "Element": "Q1", "Materials": ["m"]}}
+        tree["Model"]["Mesh file"] = ""
+        tree["Effects"] = {"Prescribed displacement": {"end": {"Part": "body/left", "Displacement": [0.0, 0.0, 0.0]}}}
+        self.refused(tree, "Adaptivity", "geometry")
+
+
+if __name__ == "__main__":
+    runs.main()
