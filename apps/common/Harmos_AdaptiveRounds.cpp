@@ -96,7 +96,7 @@ std::string AdaptiveRounds::judge(const scene::Scene& scene, const run::Solution
   }
   // What is aimed at, over what is asked for, and over what there is: what cells far from a singularity are
   // to be is known once those at it are small.
-  constexpr double margin = 0.95, least = 0.35;
+  constexpr double margin = 0.95, least = 0.5;
   long long order = 1;
   for (const scene::OwnedSubdomain& item : solution.owned)
     order = std::max(order, static_cast<long long>(fem::shapeOf(item.mesh.mesh->cellType).order));

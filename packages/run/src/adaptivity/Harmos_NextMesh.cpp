@@ -55,7 +55,7 @@ std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
 }
 
 NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal) {
-  constexpr double finest = 0.25, coarsest = 2.0;
+  constexpr double finest = 0.5, coarsest = 2.0;
   const double p = goal.order, d = goal.dimension;
   double sum = 0.0;
   std::vector<fem::Point> known;

@@ -43,7 +43,7 @@ struct NextMesh {
 ///     h_i ← r_i h_i,  r_i = C η_i^(−2/(2p+d)),  C^2p Σ η_i^(2d/(2p+d)) = E²
 ///
 /// (all cells then have the same error: Zienkiewicz, Zhu 1987; Li, Bettess, Commun. Numer. Meth. Engng. 11,
-/// 1995). Factors are kept from 1/4 to 2: what is estimated on one mesh holds for meshes near to it. Cells of
+/// 1995). Factors are kept from 1/2 to 2: what is estimated on one mesh holds for meshes near to it. Cells of
 /// which nothing is known have the factor of the nearest one. Where there would be too many cells all are
 /// larger by one factor.
 /// @throws InternalError for no cells. Local. Guarded by tests/unit/run/test_next_mesh.cpp.
