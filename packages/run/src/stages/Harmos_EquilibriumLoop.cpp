@@ -140,9 +140,10 @@ Balance::Loads EquilibriumLoop::forcesAtRest() {
   const feti::TornVector rest = run_.pipeline().system().zeroVector();
   const feti::TornVector internal = bodies_.forces(rest, 0.0).internal,
                          following = bodies_.followingLoads(rest, 0.0);
+  const Loads dead = run_.loads().loads(0.0);
   Loads result;
   for (std::size_t i = 0; i < rest.size(); ++i) {
-    auto load = std::make_shared<std::vector<double>>(*run_.loads().loads(0.0)[i]);
+    auto load = std::make_shared<std::vector<double>>(*dead[i]);
     for (std::size_t k = 0; k < load->size(); ++k)
       (*load)[k] += (following.empty() ? 0.0 : following[i][k]) - internal[i][k];
     result.push_back(load);

@@ -29,7 +29,7 @@ namespace Harmos::run {
 /// *Length.* Motion::error() is the relative error of the period of what moves; above what the timeline
 /// allows the step is too long.
 ///
-/// Guarded by tests/verification/physics/test_transient.py.
+/// Guarded by tests/verification/physics/test_transient_finite.py, its length by test_transient.py.
 class StepJudge {
  public:
   /// All to outlive it.
