@@ -20,7 +20,7 @@ import harmos_runs as runs  # noqa: E402
 try:
     import numpy as np
     from finite_scenes import field
-    from test_plastic_calculix import FACES, box
+    from test_plastic_calculix import FACES, box, mesh_lines
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
@@ -41,15 +41,7 @@ def bodies(order):
 def model(element, amplitude):
     """Both of the same material; the pressure on the stamp goes with the amplitude."""
     plate, stamp = bodies(2 if "20" in element else 1)
-    lines = ["*NODE, NSET=ALL"]
-    for places, _ in (plate, stamp):
-        lines += [f"{node}, {x:.10g}, {y:.10g}, {z:.10g}" for node, (x, y, z) in places.items()]
-    for name, (_, elements) in (("PLATE", plate), ("STAMP", stamp)):
-        lines.append(f"*ELEMENT, TYPE={element}, ELSET={name}")
-        for number, nodes, _ in elements:
-            words = [str(word) for word in (number, *nodes)]
-            lines += [", ".join(words[:11]) + ("," if words[11:] else "")] + ([", ".join(words[11:])] if words[11:] else [])
-    lines += ["*NSET, NSET=GROUND"] + [f"{node}," for node, place in plate[0].items() if place[1] == 0.0]
+    lines = mesh_lines(plate, stamp, element)
     lines += ["*NSET, NSET=AXIS"] + [f"{node}," for node, place in stamp[0].items() if place[0] == 2.0]
     lines += ["*SURFACE, NAME=LOWER"] + [f"{e}, {FACES['above']}" for e, _, j in plate[1] if j == CELLS - 1]
     lines += ["*SURFACE, NAME=UPPER"] + [f"{e}, {FACES['below']}" for e, _, j in stamp[1] if j == 0]

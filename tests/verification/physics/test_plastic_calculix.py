@@ -48,11 +48,8 @@ def box(corner, size, cells, order, first):
     return places, elements
 
 
-def model(element, nlgeom, friction):
-    """A stiff stamp above a plate of metal, nodes of both at the same places."""
-    order = 2 if "20" in element else 1
-    plate = box((0.0, 0.0), (4.0, 1.0), (16, 4), order, 1)
-    stamp = box((1.5, 1.0), (1.0, 0.5), (4, 2), order, 100001)
+def mesh_lines(plate, stamp, element):
+    """Nodes and elements of both, and what the plate stands on."""
     lines = ["*NODE, NSET=ALL"]
     for places, _ in (plate, stamp):
         lines += [f"{node}, {x:.10g}, {y:.10g}, {z:.10g}" for node, (x, y, z) in places.items()]
@@ -62,6 +59,15 @@ def model(element, nlgeom, friction):
             words = [str(word) for word in (number, *nodes)]
             lines += [", ".join(words[:11]) + ("," if words[11:] else "")] + ([", ".join(words[11:])] if words[11:] else [])
     lines += ["*NSET, NSET=GROUND"] + [f"{node}," for node, place in plate[0].items() if place[1] == 0.0]
+    return lines
+
+
+def model(element, nlgeom, friction):
+    """A stiff stamp above a plate of metal, nodes of both at the same places."""
+    order = 2 if "20" in element else 1
+    plate = box((0.0, 0.0), (4.0, 1.0), (16, 4), order, 1)
+    stamp = box((1.5, 1.0), (1.0, 0.5), (4, 2), order, 100001)
+    lines = mesh_lines(plate, stamp, element)
     lines += ["*NSET, NSET=TOP"] + [f"{node}," for node, place in stamp[0].items() if place[1] == 1.5]
     lines += ["*SURFACE, NAME=LOWER"] + [f"{e}, {FACES['above']}" for e, _, j in plate[1] if j == 3]
     lines += ["*SURFACE, NAME=UPPER"] + [f"{e}, {FACES['below']}" for e, _, j in stamp[1] if j == 0]
