@@ -295,36 +295,60 @@ int tellEnd(const Log& log, const run::RunOptions& options, const run::RunReport
   return report.converged ? exitConverged : exitNotConverged;
 }
 
+// The scene of a round. Of a later one a failure, as of the mesher, leaves what there is: nothing.
+std::optional<scene::Scene> sceneOfRound(const Application& application, const ProgramContext& context,
+                                         const Teuchos::ParameterList& deck, const AdaptiveRounds& rounds) {
+  const auto& [comm, line, log, begin] = context;
+  const auto start = std::chrono::steady_clock::now();
+  try {
+    scene::Scene scene = sceneOf(application, {*comm, deck, directoryOf(line.deck), log,
+                                               chosenBefore(*comm, line.restart), rounds.sizes()});
+    scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    return scene;
+  } catch (const Error& error) {
+    if (!rounds.hasResults() || standsAlone(*comm, error))
+      throw;
+    log.warning(std::string("no mesh for another round: ") + error.what() +
+                "; the answer is that of the round before");
+    return std::nullopt;
+  }
+}
+
 } // namespace
 
 int runDeck(const Application& application, const ProgramContext& context) {
   const auto& [comm, line, log, begin] = context;
   const Teuchos::ParameterList deck = readDeck(context, deckSpec(application));
   run::RunOptions options = optionsOf(deck, line);
-  AdaptiveRounds rounds(*comm, deck);
+  AdaptiveRounds rounds(comm, deck);
+  rounds.setOptions(options);
   const double programMiB = run::peakMemoryMiB();
-  while (true) {
+  run::RunReport report;
+  bool hasSteps = false;
+  while (!rounds.isOver()) {
     rounds.begin();
-    const auto start = std::chrono::steady_clock::now();
-    scene::Scene scene = sceneOf(application, {*comm, deck, directoryOf(line.deck), log,
-                                               chosenBefore(*comm, line.restart), rounds.sizes()});
-    options.checkpoint.subdomains = scene.chosenSubdomains;
-    scene.secondsToMake = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const std::optional<scene::Scene> scene = sceneOfRound(application, context, deck, rounds);
+    if (!scene)
+      break;
+    options.checkpoint.subdomains = scene->chosenSubdomains;
     if (line.parts) {
-      run::showParts(*comm, scene, line.output, log);
+      run::showParts(*comm, *scene, line.output, log);
       return exitConverged;
     }
-    run::checkConsistency(scene, options);
-    rounds.check(scene, options);
-    if (const std::optional<int> status = lookOnly(context, scene, options, programMiB))
+    run::checkConsistency(*scene, options);
+    rounds.check(*scene, options);
+    if (const std::optional<int> status = lookOnly(context, *scene, options, programMiB))
       return *status;
-    run::RunReport report;
-    solveScene(application, context, deck, scene, options, rounds, report);
-    if (rounds.isAsked() && !report.isInterrupted())
-      rounds.write(options.outputDirectory);
-    if (!rounds.isAsked() || rounds.isOver() || report.isInterrupted())
-      return tellEnd(log, options, report, scene.timeline.hasSteps());
+    if (rounds.isAsked() && !rounds.mayGoOn(*scene, options, log, programMiB))
+      break;
+    report = {};
+    hasSteps = scene->timeline.hasSteps();
+    solveScene(application, context, deck, *scene, options, rounds, report);
+    if (!rounds.isAsked() || report.isInterrupted())
+      break;
+    rounds.write(options.outputDirectory);
   }
+  return tellEnd(log, options, report, hasSteps);
 }
 
 Teuchos::ParameterList readDeck(const ProgramContext& context, const ParameterSpec& spec) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_NextMesh.hpp"
+#include "Harmos_RoundAim.hpp"
 
 #include <gtest/gtest.h>
 
@@ -52,20 +53,49 @@ TEST(NextMesh, error_is_the_goal) {
     }
 }
 
-// Nothing known of a cell: as the nearest. Without error: as coarse as may be. No more cells than allowed.
-TEST(NextMesh, what_is_not_known_and_limits) {
+// Without error: as coarse as may be. No cell is less than half as long. No more cells than allowed, of which
+// all have the same error, and edges as the mesher will make them.
+TEST(NextMesh, limits) {
   std::vector<CellError> all = cells();
-  all[20].square = -1.0;
   all[21].square = 0.0;
-  all[20].centre[0] = all[19].centre[0] + 0.01;
   const run::NextMesh next = run::nextMesh(all, {0.05, 1, 2, 0.0});
-  EXPECT_DOUBLE_EQ((*next.sizes)(all[20].centre), (*next.sizes)(all[19].centre));
   EXPECT_DOUBLE_EQ((*next.sizes)(all[21].centre), 2.0 * 0.1);
   const run::NextMesh tiny = run::nextMesh(all, {1e-9, 1, 2, 0.0});
   EXPECT_DOUBLE_EQ((*tiny.sizes)(all[3].centre), 0.5 * 0.1);
+  all[21].square = all[20].square;
   const run::NextMesh limited = run::nextMesh(all, {1e-9, 1, 2, 100.0});
-  EXPECT_DOUBLE_EQ(limited.cells, 100.0);
-  EXPECT_GT((*limited.sizes)(all[3].centre), 0.06);
+  const Predicted found = predicted(all, limited, 1, 2);
+  EXPECT_NEAR(found.cells, 100.0, 1e-6);
+  EXPECT_NEAR(found.least, found.most, 0.1 * found.most); // all[21] has that of its neighbour
+  const run::NextMesh asked = run::nextMesh(all, {0.05, 1, 2, 0.0});
+  const run::NextMesh shorter = run::nextMesh(all, {0.05, 1, 2, 0.0, 1.25});
+  EXPECT_DOUBLE_EQ((*shorter.sizes)(all[3].centre), 0.8 * (*asked.sizes)(all[3].centre));
+}
+
+// The first rounds are limited by growth and by a share of the error; a mesher that makes longer edges is
+// asked for shorter ones; a target that was missed is aimed below.
+TEST(RoundAim, what_became_of_rounds_before) {
+  const std::vector<CellError> all = cells();
+  double sum = 0.0;
+  for (const CellError& cell : all)
+    sum += cell.square;
+  const double scale = 1.0, error = std::sqrt(sum);
+  run::RoundAim far(1e-6, 0.0);
+  const run::NextMesh first = far.next(all, {error, scale, 1, 2});
+  EXPECT_LE(first.cells, 3.0 * 50.0 * (1.0 + 1e-6));
+  EXPECT_GE(predicted(all, first, 1, 2).error, 0.35 * error * (1.0 - 1e-9));
+
+  const double target = 0.8 * error;
+  run::RoundAim near(target, 0.0);
+  const run::NextMesh wanted = near.next(all, {error, scale, 1, 2});
+  EXPECT_NEAR(predicted(all, wanted, 1, 2).error, 0.95 * target, 1e-9 * target);
+  // Nothing came of it: cells and error are as they were.
+  const run::NextMesh again = near.next(all, {error, scale, 1, 2});
+  const double stretch = std::sqrt(wanted.cells / 50.0), excess = error / (0.95 * target);
+  const run::NextMesh same = run::nextMesh(all, {0.95 * target / excess, 1, 2, 150.0, stretch});
+  EXPECT_GT(stretch, 1.05);
+  for (const CellError& cell : all)
+    EXPECT_NEAR((*again.sizes)(cell.centre), (*same.sizes)(cell.centre), 1e-9 * cell.size);
 }
 
 } // namespace test_next_mesh

@@ -34,6 +34,18 @@ double meanEdge(const fem::PlacedMesh& placed, int cell) {
   return sum / unit * edge;
 }
 
+double factorOf(double wish) {
+  constexpr double finest = 0.5, coarsest = 2.0;
+  return std::clamp(wish, finest, coarsest);
+}
+
+double cellsOf(const std::vector<double>& wishes, double c, double dimension) {
+  double cells = 0.0;
+  for (double wish : wishes)
+    cells += std::pow(factorOf(c * wish), -dimension);
+  return cells;
+}
+
 } // namespace
 
 std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
@@ -55,39 +67,33 @@ std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
 }
 
 NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal) {
-  constexpr double finest = 0.5, coarsest = 2.0;
+  if (cells.empty())
+    throw InternalError("a mesh without cells has no next one");
   const double p = goal.order, d = goal.dimension;
   double sum = 0.0;
-  std::vector<fem::Point> known;
-  for (const CellError& cell : cells)
-    if (cell.square >= 0.0) {
-      sum += std::pow(cell.square, d / (2.0 * p + d));
-      known.push_back(cell.centre);
+  std::vector<double> wish; // r/C; of a cell without error there is no bound
+  for (const CellError& cell : cells) {
+    sum += std::pow(cell.square, d / (2.0 * p + d));
+    wish.push_back(std::pow(cell.square, -1.0 / (2.0 * p + d)));
+  }
+  double c = sum > 0.0 ? std::pow(goal.error * goal.error / sum, 0.5 / p) : 1.0;
+  NextMesh result = {nullptr, cellsOf(wish, c, d)};
+  if (goal.maximumCells > 0.0 && result.cells > goal.maximumCells) {
+    double most = c; // the number falls as this grows
+    for (int k = 0; k < 200 && cellsOf(wish, most, d) > goal.maximumCells; ++k)
+      most *= 2.0;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (c + most);
+      (cellsOf(wish, middle, d) > goal.maximumCells ? c : most) = middle;
     }
-  if (known.empty())
-    throw InternalError("nothing is known of the error of any cell");
-  const double c = std::pow(goal.error * goal.error / sum, 0.5 / p);
-  std::vector<double> factors;
-  for (const CellError& cell : cells)
-    if (cell.square >= 0.0)
-      factors.push_back(cell.square > 0.0
-                            ? std::clamp(c * std::pow(cell.square, -1.0 / (2.0 * p + d)), finest, coarsest)
-                            : coarsest);
-  const fem::SizeField field(std::move(known), factors);
-  NextMesh result = {nullptr, 0.0};
+    c = most;
+    result.cells = cellsOf(wish, c, d);
+  }
   std::vector<fem::Point> places;
   std::vector<double> sizes;
-  for (const CellError& cell : cells) {
-    const double factor = field(cell.centre);
-    places.push_back(cell.centre);
-    sizes.push_back(factor * cell.size);
-    result.cells += std::pow(factor, -d);
-  }
-  if (goal.maximumCells > 0.0 && result.cells > goal.maximumCells) {
-    const double more = std::pow(result.cells / goal.maximumCells, 1.0 / d);
-    for (double& size : sizes)
-      size *= more;
-    result.cells = goal.maximumCells;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    places.push_back(cells[k].centre);
+    sizes.push_back(factorOf(c * wish[k]) * cells[k].size / goal.stretch);
   }
   result.sizes = std::make_shared<const fem::SizeField>(std::move(places), std::move(sizes));
   return result;

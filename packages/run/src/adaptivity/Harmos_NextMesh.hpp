@@ -15,7 +15,7 @@ namespace Harmos::run {
 struct CellError {
   fem::Point centre;
   double size;   ///< of its edges, in the mean
-  double square; ///< of its error in the energy norm; less than zero: not known
+  double square; ///< of its error in the energy norm, or its share of that of a quantity
 };
 
 /// Of all cells of all ranks, on every one of them. @param squares of the cells of each of this rank's
@@ -30,6 +30,8 @@ struct MeshGoal {
   int order;           ///< p of its elements
   int dimension;       ///< d
   double maximumCells; ///< 0: no limit
+  /// Edges that the mesher makes, over what it is asked for.
+  double stretch = 1.0;
 };
 
 struct NextMesh {
@@ -43,9 +45,8 @@ struct NextMesh {
 ///     h_i ← r_i h_i,  r_i = C η_i^(−2/(2p+d)),  C^2p Σ η_i^(2d/(2p+d)) = E²
 ///
 /// (all cells then have the same error: Zienkiewicz, Zhu 1987; Li, Bettess, Commun. Numer. Meth. Engng. 11,
-/// 1995). Factors are kept from 1/2 to 2: what is estimated on one mesh holds for meshes near to it. Cells of
-/// which nothing is known have the factor of the nearest one. Where there would be too many cells all are
-/// larger by one factor.
+/// 1995). Factors are kept from 1/2 to 2: what is estimated on one mesh holds for meshes near to it.
+/// Where there would be too many cells, C is the one of as many as there may be.
 /// @throws InternalError for no cells. Local. Guarded by tests/unit/run/test_next_mesh.cpp.
 NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal);
 

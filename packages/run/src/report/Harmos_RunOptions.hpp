@@ -10,6 +10,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,6 +18,7 @@
 namespace Harmos::run {
 
 using feti::ToleranceRule;
+struct Quantity;
 
 /// What a run was told from outside.
 enum class Told {
@@ -58,6 +60,8 @@ struct RunOptions : feti::SolverOptions {
   int every = 1;            ///< of several steps, the first of those whose fields are written
   bool writeRanks = false;  ///< ranks.csv
   double liveSeconds = 5.0; ///< between two contact.csv; 0 for none
+  /// Whose value and adjoint are wanted of the last answer, see Solution::quantity; null: of none.
+  std::shared_ptr<const Quantity> quantity = nullptr;
   CheckpointOptions checkpoint;
 
   /// Adds the lists to the specification of a deck.

@@ -2,11 +2,13 @@
 #pragma once
 
 #include "Harmos_OwnedSubdomain.hpp"
+#include "Harmos_Quantity.hpp"
 #include "Harmos_SubdomainSystem.hpp"
 #include "Harmos_Types.hpp"
 
 #include <Teuchos_RCP.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace Harmos::run {
@@ -16,7 +18,8 @@ namespace Harmos::run {
 struct Solution {
   std::vector<scene::OwnedSubdomain> owned;
   feti::TornVector displacement;
-  Teuchos::RCP<const MultiVector> multipliers; ///< λ, in the rows of feti::Constraints
+  Teuchos::RCP<const MultiVector> multipliers;          ///< λ, in the rows of feti::Constraints
+  std::optional<QuantityValue> quantity = std::nullopt; ///< where options ask for one, and the run converged
 };
 
 } // namespace Harmos::run

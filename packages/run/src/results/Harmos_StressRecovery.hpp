@@ -8,6 +8,7 @@
 
 #include "Harmos_MaterialStates.hpp"
 
+#include <optional>
 #include <vector>
 
 namespace Harmos::run {
@@ -38,12 +39,14 @@ std::vector<std::vector<fem::Voigt>> cellStresses(const scene::Scene& scene,
 
 /// Estimates by the recovered stresses how far the finite element solution is from that of the continuous
 /// problem, in the energy norm √∫ σ : C⁻¹ : σ, of membranes √∫ |∇u|²; see fem::recoveryError().
+/// @param time of temperatures; none: without any, of what displacements change by.
 /// @param cells of each subdomain the squares of the errors of its cells, see fem::RecoveryError::cells;
 /// null: not asked for. @note Collective.
 feti::DiscretisationError estimateDiscretisationError(const Teuchos::Comm<int>& comm,
                                                       const scene::Scene& scene,
                                                       const std::vector<scene::OwnedSubdomain>& owned,
-                                                      const feti::TornVector& displacement, double time,
+                                                      const feti::TornVector& displacement,
+                                                      std::optional<double> time,
                                                       std::vector<std::vector<double>>* cells = nullptr);
 
 } // namespace Harmos::run

@@ -122,11 +122,30 @@ StepRow RunStages::onlyStep() {
   return row;
 }
 
+// The linear problem of the adjoint shares operators with what was solved.
+std::optional<QuantityValue> RunStages::quantity() {
+  if (context_.options.quantity == nullptr || !solve_ || !context_.report.converged)
+    return std::nullopt;
+  AdjointProblem problem = adjointProblem(*context_.comm, *context_.options.quantity,
+                                          {context_.scene, owned_, pipeline_->system(), contact_,
+                                           torn_.displacement, multipliers(), context_.report.forces});
+  const auto scope = context_.timers.scope("solve");
+  feti::IncrementSolver::Increment adjoint =
+      increment({std::move(problem.loads), std::move(problem.rows), context_.options.tolerance, true});
+  if (!adjoint.report.converged)
+    throw NumericalError("the adjoint of the quantity did not converge: " + adjoint.report.reason);
+  for (std::size_t i = 0; i < problem.known.size(); ++i)
+    for (std::size_t k = 0; k < problem.known[i].size(); ++k)
+      adjoint.displacement[i][k] += problem.known[i][k];
+  return QuantityValue{problem.value, std::move(adjoint.displacement)};
+}
+
 Solution RunStages::hand() {
+  std::optional<QuantityValue> value = quantity();
   context_.report.contactPoints = std::move(contact_.points);
   // A first step whose loads nothing can hold was not solved.
   return {std::move(owned_), std::move(torn_.displacement),
-          solve_ ? solve_->solution().lambda : Teuchos::null};
+          solve_ ? solve_->solution().lambda : Teuchos::null, std::move(value)};
 }
 
 void RunStages::announce() {

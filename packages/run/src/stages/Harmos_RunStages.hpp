@@ -140,6 +140,7 @@ class RunStages : private feti::PipelineObserver {
   void tellWhatIsAttainable();
   void leaveInterrupted();
   StepRow onlyStep();
+  std::optional<QuantityValue> quantity();
   void judgeDrift();
   std::string escapingBodies() const;
   bool isElastic() const { return context_.scene.physics != scene::Physics::Membrane; }

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Scenes whose meshes follow the error, in both ways: of cells of one size, and adapted.
+
+Each is a function of the size of the cells, relative to that of the first mesh, that gives the text of Gmsh's geometry and
+the lists of the deck besides.
+"""
+
+
+def materials(**ratios):
+    return {name: {"Young's modulus": value, "Poisson's ratio": 0.3} for name, value in (ratios or {"m": 1.0}).items()}
+
+
+def size(value):
+    return f"Mesh.MeshSizeMax = {value!r}; Mesh.MeshSizeMin = {value!r} / 1000; Mesh.ElementOrder = 2;\n"
+
+
+def of_one_size(value):
+    return f"Mesh.MeshSizeMax = {value!r}; Mesh.MeshSizeFromPoints = 0; Mesh.MeshSizeFromCurvature = 0; Mesh.ElementOrder = 2;\n"
+
+
+def corner(length):
+    """A square without a quarter, held at one end of the L and pulled at the other."""
+    mesh = """
+Point(1) = {0, 0, 0}; Point(2) = {1, 0, 0}; Point(3) = {1, 1, 0}; Point(4) = {-1, 1, 0}; Point(5) = {-1, -1, 0};
+Point(6) = {0, -1, 0};
+Line(1) = {1, 2}; Line(2) = {2, 3}; Line(3) = {3, 4}; Line(4) = {4, 5}; Line(5) = {5, 6}; Line(6) = {6, 1};
+Curve Loop(1) = {1, 2, 3, 4, 5, 6}; Plane Surface(1) = {1};
+Physical Surface("body") = {1}; Physical Curve("held") = {5}; Physical Curve("pulled") = {2};
+""" + of_one_size(length)
+    return mesh, {
+        "Model": {"Physics": "plane strain"}, "Materials": materials(), "Bodies": {"body": {"Materials": ["m"]}},
+        "Effects": {
+            "Prescribed displacement": {"end": {"Part": "body/held", "Displacement": [0.0, 0.0, 0.0]}},
+            "Traction": {"pull": {"Part": "body/pulled", "Density": [0.0, 1.0, 0.0]}}},
+    }
+
+
+def cylinder(length):
+    """Half a cylinder pressed onto a rigid plane (Hertz): the contact is a hundredth of it."""
+    mesh = """
+SetFactory("OpenCASCADE");
+Disk(1) = {0, 1, 0, 1}; Rectangle(2) = {-2, 1, 0, 4, 2};
+BooleanDifference(3) = { Surface{1}; Delete; }{ Surface{2}; Delete; };
+sole() = Curve In BoundingBox{-1.01, -0.01, -0.01, 1.01, 1.01, 0.01};
+top() = Curve In BoundingBox{-1.01, 0.99, -0.01, 1.01, 1.01, 0.01};
+Physical Surface("body") = {3}; Physical Curve("top") = {top()}; sole() -= {top()}; Physical Curve("sole") = {sole()};
+""" + of_one_size(length)
+    return mesh, {
+        "Model": {"Physics": "plane strain"}, "Materials": materials(), "Bodies": {"body": {"Materials": ["m"]}},
+        "Effects": {
+            "Obstacle": {"floor": {"Part": "body/sole"}},
+            "Prescribed displacement": {"press": {"Part": "body/top", "Displacement": [0.0, -2e-4, 0.0]}}},
+    }
+
+
+def ball(length):
+    """A quarter of half a ball pressed onto a rigid plane (Hertz): the contact is a tenth of it."""
+    mesh = """
+SetFactory("OpenCASCADE");
+Sphere(1) = {0, 0, 1, 1}; Box(2) = {0, 0, 0, 1, 1, 1};
+BooleanIntersection(3) = { Volume{1}; Delete; }{ Volume{2}; Delete; };
+e = 0.01;
+all() = Surface In BoundingBox{-e, -e, -e, 1 + e, 1 + e, 1 + e};
+top() = Surface In BoundingBox{-e, -e, 1 - e, 1 + e, 1 + e, 1 + e};
+x() = Surface In BoundingBox{-e, -e, -e, e, 1 + e, 1 + e};
+y() = Surface In BoundingBox{-e, -e, -e, 1 + e, e, 1 + e};
+all() -= {top()}; all() -= {x()}; all() -= {y()};
+Physical Volume("body") = {3}; Physical Surface("top") = {top()}; Physical Surface("x") = {x()};
+Physical Surface("y") = {y()}; Physical Surface("sole") = {all()};
+""" + of_one_size(length)
+    return mesh, {
+        "Model": {"Physics": "solid"}, "Materials": materials(), "Bodies": {"body": {"Materials": ["m"]}},
+        "Effects": {
+            "Obstacle": {"floor": {"Part": "body/sole", "Direction": [0.0, 0.0, 1.0]}},
+            "Prescribed displacement": {
+                "press": {"Part": "body/top", "Displacement": [0.0, 0.0, -1e-2]},
+                "x": {"Part": "body/x", "Components": ["x"]}, "y": {"Part": "body/y", "Components": ["y"]}}},
+    }
+
+
+def punch(length):
+    """Half a stiff block with sharp corners on a soft, wider one."""
+    mesh = """
+SetFactory("OpenCASCADE");
+Rectangle(1) = {0, 0, 0, 0.25, 0.25}; Rectangle(2) = {0, -1, 0, 1, 1};
+e = 0.001;
+Physical Surface("punch") = {1}; Physical Surface("base") = {2};
+press() = Curve In BoundingBox{-e, 0.25 - e, -e, 0.25 + e, 0.25 + e, e}; Physical Curve("press") = {press()};
+sole() = Curve In BoundingBox{-e, -e, -e, 0.25 + e, e, e}; Physical Curve("sole") = {sole()};
+seat() = Curve In BoundingBox{-e, -e, -e, 1 + e, e, e}; seat() -= {sole()}; Physical Curve("seat") = {seat()};
+bed() = Curve In BoundingBox{-e, -1 - e, -e, 1 + e, -1 + e, e}; Physical Curve("bed") = {bed()};
+above() = Curve In BoundingBox{-e, -e, -e, e, 1, e}; Physical Curve("above") = {above()};
+below() = Curve In BoundingBox{-e, -1 - e, -e, e, e, e}; Physical Curve("below") = {below()};
+""" + of_one_size(length)
+    return mesh, {
+        "Model": {"Physics": "plane strain"}, "Materials": materials(soft=1.0, hard=10.0),
+        "Bodies": {"punch": {"Materials": ["hard"]}, "base": {"Materials": ["soft"]}},
+        "Effects": {
+            "Contact": {"joint": {"First": "punch/sole", "Second": "base/seat"}},
+            "Prescribed displacement": {
+                "press": {"Part": "punch/press", "Displacement": [0.0, -1e-2, 0.0]},
+                "bed": {"Part": "base/bed", "Displacement": [0.0, 0.0, 0.0]},
+                "above": {"Part": "punch/above", "Components": ["x"]},
+                "below": {"Part": "base/below", "Components": ["x"]}}},
+    }
+
+
+def fibre(length):
+    """A quarter of a square of matrix with a stiffer fibre in its hole, pulled at one side: they part there."""
+    mesh = """
+SetFactory("OpenCASCADE");
+Rectangle(1) = {0, 0, 0, 1, 1}; Disk(2) = {0, 0, 0, 0.5};
+BooleanDifference(3) = { Surface{1}; Delete; }{ Surface{2}; Delete; };
+e = 0.001;
+hole() = Curve In BoundingBox{-e, -e, -e, 0.5 + e, 0.5 + e, e}; Physical Curve("hole") = {hole()};
+left() = Curve In BoundingBox{-e, -e, -e, e, 1 + e, e}; Physical Curve("left") = {left()};
+below() = Curve In BoundingBox{-e, -e, -e, 1 + e, e, e}; Physical Curve("below") = {below()};
+right() = Curve In BoundingBox{1 - e, -e, -e, 1 + e, 1 + e, e}; Physical Curve("right") = {right()};
+Disk(4) = {0, 0, 0, 0.5}; Rectangle(5) = {0, 0, 0, 1, 1};
+BooleanIntersection(6) = { Surface{4}; Delete; }{ Surface{5}; Delete; };
+all() = Curve In BoundingBox{-e, -e, -e, 0.5 + e, 0.5 + e, e}; all() -= {hole()};
+inner() = Curve In BoundingBox{-e, -e, -e, e, 0.5 + e, e}; inner() -= {left()}; Physical Curve("inner") = {inner()};
+lower() = Curve In BoundingBox{-e, -e, -e, 0.5 + e, e, e}; lower() -= {below()}; Physical Curve("lower") = {lower()};
+all() -= {inner()}; all() -= {lower()}; all() -= {left()}; all() -= {below()}; Physical Curve("skin") = {all()};
+Physical Surface("fibre") = {6}; Physical Surface("matrix") = {3};
+""" + of_one_size(length)
+    return mesh, {
+        "Model": {"Physics": "plane strain"}, "Materials": materials(soft=1.0, hard=10.0),
+        "Bodies": {"fibre": {"Materials": ["hard"]}, "matrix": {"Materials": ["soft"]}},
+        "Effects": {
+            "Contact": {"joint": {"First": "fibre/skin", "Second": "matrix/hole"}},
+            "Prescribed displacement": {
+                "left": {"Part": "matrix/left", "Components": ["x"]},
+                "below": {"Part": "matrix/below", "Components": ["y"]},
+                "inner": {"Part": "fibre/inner", "Components": ["x"]},
+                "lower": {"Part": "fibre/lower", "Components": ["y"]},
+                "right": {"Part": "matrix/right", "Components": ["x"], "Displacement": [1e-2, 0.0, 0.0]}}},
+    }
+
+
+SCENES = {
+    "corner": (corner, (0.5, 0.1, 0.05, 0.025, 0.0125, 0.00625)),
+    "cylinder": (cylinder, (0.3, 0.04, 0.02, 0.01, 0.005, 0.0035)),
+    "punch": (punch, (0.25, 0.05, 0.025, 0.0125, 0.00625, 0.004)),
+    "fibre": (fibre, (0.4, 0.1, 0.05, 0.025, 0.0125, 0.008)),
+    "ball": (ball, (0.4, 0.15, 0.1, 0.07, 0.05, 0.035)),
+}
