@@ -77,6 +77,10 @@ void addAdaptivityTo(ParameterSpec& deck) {
   deck.list(std::move(list));
 }
 
+bool isAdaptive(const Teuchos::ParameterList& deck) {
+  return deck.isSublist(listName) && deck.sublist(listName).get<int>("Rounds") > 0;
+}
+
 AdaptiveRounds::AdaptiveRounds(const Teuchos::RCP<const Teuchos::Comm<int>>& comm,
                                const Teuchos::ParameterList& deck)
     : comm_(comm) {
@@ -109,10 +113,11 @@ void AdaptiveRounds::check(const scene::Scene& scene, const run::RunOptions& opt
   };
   const std::string ending = std::filesystem::path(meshFile_).extension();
   const std::vector<std::string> geometries = {".geo", ".step", ".stp", ".iges", ".igs", ".brep"};
-  if (std::find(geometries.begin(), geometries.end(), ending) == geometries.end())
-    refuse(
-        "needs a geometry that is meshed anew (.geo, .step, .iges, .brep) as \"Model/Mesh file\"; it is \"" +
-        meshFile_ + "\"");
+  if (!meshFile_.empty() && std::find(geometries.begin(), geometries.end(), ending) == geometries.end())
+    refuse("needs blocks, or a geometry that is meshed anew (.geo, .step, .iges, .brep) as \"Model/Mesh "
+           "file\"; it "
+           "is \"" +
+           meshFile_ + "\"");
   if (scene.isTransient())
     refuse("does not go with bodies in motion (\"Steps/Time integration\" = \"Newmark\")");
   if (scene.isFinite())

@@ -25,6 +25,9 @@ namespace Harmos::app {
 /// The list Adaptivity of a deck.
 void addAdaptivityTo(ParameterSpec& deck);
 
+/// Whether a deck asks for meshes that follow the error. Local.
+bool isAdaptive(const Teuchos::ParameterList& deck);
+
 /// Runs of a scene on meshes of its geometry that follow the estimated error, round after round: what is
 /// known of them, rounds.csv, and what the next mesh is to be. The results of a round that another one
 /// follows are in round_1 and so on, those of the last one in the output directory.

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_DeckBodies.hpp"
 
+#include "Harmos_AdaptiveRounds.hpp"
+#include "Harmos_BlockGeometry.hpp"
+
 #include "Harmos_Agreement.hpp"
 #include "Harmos_BodyBlocks.hpp"
 #include "Harmos_CutMeshFile.hpp"
@@ -393,6 +396,8 @@ std::vector<Blocks> readBlocks(const DeckContext& context, const std::string& fi
         {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
   fem::GmshMeshing meshing;
   meshing.sizes = context.sizes;
+  if (meshing.sizes == nullptr && file == meshFileOf(context))
+    meshing.size = context.deck.sublist("Model").get<double>("Mesh size");
   return fem::groupedByBody(fem::readGmsh(file, wanted, dimension, meshing));
 }
 
@@ -455,14 +460,9 @@ CutBlocks cutBody(const DeckContext& context, Blocks& blocks, int wanted, long l
   return cut;
 }
 
-// Bodies from the mesh file: read on rank 0 and cut by all; the others learn how many parts and nodes there
-// are.
-void readBodies(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
-                scene::Scene& scene, long long& firstNode) {
-  const std::string file = meshFileOf(context);
-  requireMeshFile(file, scene.bodies[which.front()].name);
-  context.log.info("Reading the mesh file \"" + context.deck.sublist("Model").get<std::string>("Mesh file") +
-                   "\"");
+// Bodies from a file: read on rank 0 and cut by all; the others learn how many parts and nodes there are.
+void readBodies(const DeckContext& context, const std::string& file, int dimension,
+                const std::vector<std::size_t>& which, scene::Scene& scene, long long& firstNode) {
   std::vector<Blocks> bodies(which.size());
   std::vector<int> parts(which.size(), 1);
   constexpr double share = 0.5; // of the memory, for factors
@@ -487,6 +487,37 @@ void readBodies(const DeckContext& context, int dimension, const std::vector<std
     body.onRoot = cut.subdomains;
     firstNode += counts[1];
   }
+}
+
+// Blocks as geometries, whose meshes follow the error.
+void meshBlocks(const DeckContext& context, int dimension, const std::vector<std::size_t>& which,
+                scene::Scene& scene, long long& firstNode) {
+  std::unique_ptr<const BlockGeometry> geometry; // on rank 0
+  agree(context.comm, [&] {
+    std::vector<SimplexBlock> blocks;
+    int order = 0;
+    for (std::size_t b : which) {
+      const std::string& name = scene.bodies[b].name;
+      const ParameterList& list = context.deck.sublist("Bodies").sublist(name);
+      const int own = fem::shapeOf(cellTypeOf(list.get<std::string>("Element"), dimension)).order;
+      if (order != 0 && own != order)
+        throw InputError("\"Bodies/" + name +
+                             "/Element\" is of another order than those of other blocks; with \"Adaptivity\" "
+                             "all blocks are meshed by simplices of one order",
+                         {{"path", "Bodies/" + name + "/Element"}});
+      order = own;
+      const auto size = triple<double>(list, "Size");
+      const auto parts = triple<int>(list, "Subdomains a side"),
+                 elements = triple<int>(list, "Elements a side");
+      double length = size[0];
+      for (std::size_t d = 0; d < static_cast<std::size_t>(dimension); ++d)
+        length = std::min(length, size[d] / (parts[d] * elements[d]));
+      blocks.push_back({name, triple<double>(list, "Origin"), size, length});
+    }
+    if (context.comm.getRank() == 0)
+      geometry = std::make_unique<const BlockGeometry>(blocks, dimension, order);
+  });
+  readBodies(context, geometry ? geometry->file() : "", dimension, which, scene, firstNode);
 }
 
 void makeBlock(const ParameterList& list, int dimension, scene::Body& body, long long& firstNode,
@@ -653,7 +684,7 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
   const ParameterList& bodies = context.deck.sublist("Bodies");
   const int dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
   const std::shared_ptr<const fem::CutMeshFile> cut = cutMeshOf(context);
-  std::vector<std::size_t> fromFile;
+  std::vector<std::size_t> fromFile, meshed;
   long long firstNode = 0;
   for (const std::string& name : namesIn(bodies)) {
     const ParameterList& list = bodies.sublist(name);
@@ -680,6 +711,8 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
     }
     if (isFile)
       fromFile.push_back(scene.bodies.size());
+    else if (isAdaptive(context.deck))
+      meshed.push_back(scene.bodies.size());
     else
       makeBlock(list, dimension, body, firstNode, scene);
     scene.bodies.push_back(std::move(body));
@@ -688,8 +721,15 @@ void addBodies(const DeckContext& context, scene::Scene& scene) {
     throw InputError("\"Bodies\" is empty; add at least one body", {{"path", "Bodies"}});
   if (cut)
     takeBodies(context, cut, fromFile, scene, firstNode);
-  else if (!fromFile.empty())
-    readBodies(context, dimension, fromFile, scene, firstNode);
+  else if (!fromFile.empty()) {
+    const std::string file = meshFileOf(context);
+    requireMeshFile(file, scene.bodies[fromFile.front()].name);
+    context.log.info("Reading the mesh file \"" +
+                     context.deck.sublist("Model").get<std::string>("Mesh file") + "\"");
+    readBodies(context, file, dimension, fromFile, scene, firstNode);
+  }
+  if (!meshed.empty())
+    meshBlocks(context, dimension, meshed, scene, firstNode);
 }
 
 } // namespace Harmos::app

@@ -39,6 +39,10 @@ void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& regist
              "Mesh file of bodies with the source \"file\", relative to the deck. A file that Gmsh reads "
              "(.msh, .vtk; .geo and .step are meshed first), or one that harmos-mesh has cut (.h5: each rank "
              "reads its own parts).");
+  model.real(
+      "Mesh size", 0.0, Range::atLeast(0.0),
+      "Longest edge, about, of the cells of a geometry that is meshed (.geo, .step). 0: as the file has "
+      "it.");
   deck.list(std::move(model));
   addBodyParameters(deck);
   addPartParameters(deck);

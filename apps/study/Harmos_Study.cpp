@@ -34,7 +34,7 @@ std::vector<std::string> columnsOf(const Plan& plan) {
     columns.push_back("seconds_" + stage);
   for (const char* name :
        {"products", "iterations", "outer_iterations", "primal_dimension", "dual_dimension", "subdomains",
-        "dual_operator", "solver", "memory_mib", "tight_tolerance", "solver_judged"})
+        "dual_operator", "solver", "memory_mib", "tight_tolerance", "solver_judged", "estimated_error"})
     columns.push_back(name);
   for (std::size_t k = 0; k < measuresOf(plan); ++k)
     for (const char* part :
@@ -79,6 +79,8 @@ Row rowOf(const Plan& plan, const Setting& setting, const Outcome& outcome, cons
     row["dual_operator"] = report.dualOperator;
     row["solver"] = report.solver;
     row["memory_mib"] = textOf(outcome.memoryMiB);
+    if (const auto estimate = report.results.find("estimated_error"); estimate != report.results.end())
+      row["estimated_error"] = textOf(estimate->second);
   }
   for (std::size_t k = 0; k < measuresOf(plan); ++k) {
     const std::string& name = measureNames[k];

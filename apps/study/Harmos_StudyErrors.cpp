@@ -57,7 +57,8 @@ Errors ErrorJudge::relative(const run::SolutionNorms& norms) const {
   return result;
 }
 
-ErrorJudge::Tight ErrorJudge::tightRun(std::vector<std::string> assignments, const std::string& what) const {
+ErrorJudge::Tight ErrorJudge::tightRun(std::vector<std::string> assignments, const std::string& what,
+                                       const Sizes& sizes) const {
   if (plan_.hasToleranceRule)
     assignments.push_back("Solver/Tolerance rule=fixed");
   constexpr double loosest = 1e-4;
@@ -65,7 +66,7 @@ ErrorJudge::Tight ErrorJudge::tightRun(std::vector<std::string> assignments, con
   for (double tolerance = plan_.tightTolerance; tolerance <= 1.001 * loosest; tolerance *= 10.0) {
     std::vector<std::string> all = assignments;
     all.push_back("Solver/Tolerance=" + scientific(tolerance, 6));
-    const Outcome outcome = runSetting(comm_, plan_, all, Repetition::Once);
+    const Outcome outcome = runSetting(comm_, plan_, all, Repetition::Once, sizes);
     if (outcome.run && outcome.report.converged)
       return {outcome.run, tolerance};
     reason = outcome.reason;
@@ -82,9 +83,9 @@ void ErrorJudge::makeReference() {
     assignments.push_back("Dual operator/Expert/Block low rank tolerance=0");
     return assignments;
   };
-  const Tight finest = tightRun(exact(plan_.reference), "the reference");
-  const Tight coarser = tightRun(exact(plan_.coarser), "the coarser reference");
-  const Tight coarsest = tightRun(exact(plan_.coarsest), "the coarsest reference");
+  const Tight finest = tightRun(exact(plan_.reference), "the reference", nullptr);
+  const Tight coarser = tightRun(exact(plan_.coarser), "the coarser reference", nullptr);
+  const Tight coarsest = tightRun(exact(plan_.coarsest), "the coarsest reference", nullptr);
   reference_ = finest.run;
   norms_ = run::normsOf(*comm_, *reference_);
   const Errors first =
@@ -113,20 +114,21 @@ const Errors& ErrorJudge::referenceErrors() {
   return own_;
 }
 
-void ErrorJudge::turnTo(const Setting& setting) {
+void ErrorJudge::turnTo(const Setting& setting, const Sizes& sizes) {
   makeReference();
   const std::vector<std::string> scene = plan_.sceneAssignments(setting);
-  if (comparison_ && scene == scene_)
+  if (comparison_ && scene == scene_ && sizes == sizes_)
     return;
   comparison_ = nullptr;
   inexact_.clear();
   std::vector<std::string> assignments = scene;
   assignments.push_back("Dual operator/Precision=double");
   assignments.push_back("Dual operator/Expert/Block low rank tolerance=0");
-  tight_ = tightRun(assignments, "the tight run for " + plan_.label(setting));
+  tight_ = tightRun(assignments, "the tight run for " + plan_.label(setting), sizes);
   comparison_ = std::make_unique<const run::SolutionComparison>(*comm_, *reference_, *tight_.run);
   discretisation_ = relative(comparison_->difference(*tight_.run));
   scene_ = scene;
+  sizes_ = sizes;
 }
 
 ErrorParts ErrorJudge::unknown() {
@@ -134,7 +136,7 @@ ErrorParts ErrorJudge::unknown() {
 }
 
 ErrorParts ErrorJudge::partsOf(const Setting& setting, const Outcome& outcome) {
-  turnTo(setting);
+  turnTo(setting, outcome.sizes);
   ErrorParts parts{filled(notMeasured), discretisation_, filled(notMeasured), filled(0.0), tight_.tolerance};
   if (!outcome.run)
     return parts;
@@ -145,8 +147,9 @@ ErrorParts ErrorJudge::partsOf(const Setting& setting, const Outcome& outcome) {
       std::vector<std::string> assignments = scene_;
       assignments.insert(assignments.end(), outcome.localSolver.begin(), outcome.localSolver.end());
       at = inexact_
-               .emplace(outcome.localSolver, tightRun(assignments, "the tight run with the local solver of " +
-                                                                       plan_.label(setting)))
+               .emplace(outcome.localSolver,
+                        tightRun(assignments,
+                                 "the tight run with the local solver of " + plan_.label(setting), sizes_))
                .first;
     }
     tight = &at->second;

@@ -53,9 +53,10 @@ class ErrorJudge {
     std::shared_ptr<const run::FinishedRun> run;
     double tolerance;
   };
-  Tight tightRun(std::vector<std::string> assignments, const std::string& what) const;
+  using Sizes = std::shared_ptr<const fem::SizeField>;
+  Tight tightRun(std::vector<std::string> assignments, const std::string& what, const Sizes& sizes) const;
   void makeReference();
-  void turnTo(const Setting& setting);
+  void turnTo(const Setting& setting, const Sizes& sizes);
   Errors relative(const run::SolutionNorms& norms) const;
 
   Teuchos::RCP<const Teuchos::Comm<int>> comm_;
@@ -66,6 +67,7 @@ class ErrorJudge {
   Errors own_{};
   // Of the present scene.
   std::vector<std::string> scene_;
+  Sizes sizes_;
   Tight tight_;
   std::unique_ptr<const run::SolutionComparison> comparison_;
   Errors discretisation_{};

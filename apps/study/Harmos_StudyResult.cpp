@@ -123,7 +123,7 @@ Json runOf(const Plan& plan, const Point& point) {
   run["dual_operator"] = row.at("dual_operator");
   run["solver"] = row.at("solver");
   for (const char* column : {"repetitions", "primal_dimension", "dual_dimension", "subdomains", "products",
-                             "iterations", "outer_iterations", "tight_tolerance", "memory_mib"})
+                             "iterations", "outer_iterations", "tight_tolerance", "memory_mib", "estimated_error"})
     run[column] = number(numberOf(row, column));
   for (const auto& [column, text] : row)
     if (column.rfind("seconds_", 0) == 0)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_StudyRun.hpp"
 
+#include "Harmos_AdaptiveRounds.hpp"
 #include "Harmos_Exchange.hpp"
 #include "Harmos_Pipeline.hpp"
 
@@ -52,38 +53,78 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
 }
 
+namespace {
+
+// A run, with the rounds of its meshes. Seconds are those of all of them.
+struct Repeated {
+  std::map<std::string, double> seconds;
+  run::FinishedRun run;
+  std::shared_ptr<const fem::SizeField> sizes;
+};
+Repeated runOnce(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan,
+                 const Teuchos::ParameterList& deck, std::shared_ptr<const fem::SizeField> sizes,
+                 run::RunReport& report) {
+  const Log silent;
+  run::RunOptions options = run::RunOptions::fromDeck(deck);
+  options.outputDirectory = plan.output + "/last_run";
+  options.writeFields = false;
+  options.progressFrequency = 0;
+  app::AdaptiveRounds rounds(comm, deck);
+  const bool adapts = rounds.isAsked() && sizes == nullptr;
+  rounds.setOptions(options);
+  Repeated result;
+  while (true) {
+    rounds.begin();
+    const auto begin = std::chrono::steady_clock::now();
+    if (adapts)
+      sizes = rounds.sizes();
+    scene::Scene scene =
+        app::sceneOf(plan.application, {*comm, deck, app::directoryOf(plan.deck), silent, {}, sizes});
+    const std::chrono::duration<double> making = std::chrono::steady_clock::now() - begin;
+    scene.secondsToMake = making.count();
+    run::checkConsistency(scene, options);
+    rounds.check(scene, options);
+    report = {};
+    report.deck = plan.deck;
+    run::Solution solution = run::runScene(comm, scene, options, silent, begin, report);
+    report.seconds["total"] -= report.seconds["output"];
+    for (const auto& [stage, value] : report.seconds)
+      result.seconds[stage] += value;
+    if (adapts && report.converged)
+      rounds.judge(scene, solution, report);
+    if (!adapts || rounds.isOver() || !report.converged) {
+      run::WholeContact contact = run::gatherContact(*comm, report.contactPoints, report.contact);
+      result.run = {std::move(scene), std::move(solution), std::move(contact.points),
+                    std::move(contact.states)};
+      result.sizes = std::move(sizes);
+      return result;
+    }
+  }
+}
+
+} // namespace
+
 Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Plan& plan,
-                   const std::vector<std::string>& assignments, Repetition repetition) {
+                   const std::vector<std::string>& assignments, Repetition repetition,
+                   const std::shared_ptr<const fem::SizeField>& sizes) {
   const bool isOnce = repetition == Repetition::Once;
   const int least = isOnce ? 1 : plan.repetitions, most = isOnce ? 1 : 100;
-  const Log silent;
   Outcome outcome;
   std::map<std::string, std::vector<double>> seconds;
   double sum = 0.0; // the same on all ranks, as seconds of reports are
   for (int run = 0; run < least || (run < most && sum < plan.leastSeconds); ++run) {
     run::RunReport report;
     report.deck = plan.deck;
+    Repeated once;
     try {
       const Teuchos::ParameterList deck = plan.readDeck(*comm, assignments);
-      run::RunOptions options = run::RunOptions::fromDeck(deck);
-      options.outputDirectory = plan.output + "/last_run";
-      options.writeFields = false;
-      options.progressFrequency = 0;
       const double resident = residentMiB();
       comm->barrier(); // so that no rank's time holds another one's waiting
-      const auto begin = std::chrono::steady_clock::now();
-      scene::Scene scene = app::sceneOf(plan.application, {*comm, deck, app::directoryOf(plan.deck), silent});
-      const std::chrono::duration<double> making = std::chrono::steady_clock::now() - begin;
-      scene.secondsToMake = making.count();
-      run::checkConsistency(scene, options);
-      run::Solution solution = run::runScene(comm, scene, options, silent, begin, report);
-      report.seconds["total"] -= report.seconds["output"];
+      once = runOnce(comm, plan, deck, sizes, report);
       if (run == 0) {
         outcome.memoryMiB = globalSum(*comm, statusMiB("VmHWM") - resident);
-        outcome.run = std::make_shared<run::FinishedRun>();
-        run::WholeContact contact = run::gatherContact(*comm, report.contactPoints, report.contact);
-        *outcome.run = {std::move(scene), std::move(solution), std::move(contact.points),
-                        std::move(contact.states)};
+        outcome.run = std::make_shared<run::FinishedRun>(std::move(once.run));
+        outcome.sizes = once.sizes;
         outcome.reason = report.reason;
         outcome.report = report;
         outcome.localSolver = inexactLocalSolver(deck.sublist("Dual operator"));
@@ -97,9 +138,9 @@ Outcome runSetting(const Teuchos::RCP<const Teuchos::Comm<int>>& comm, const Pla
       outcome.run = nullptr;
       return outcome;
     }
-    for (const auto& [stage, value] : report.seconds)
+    for (const auto& [stage, value] : once.seconds)
       seconds[stage].push_back(value);
-    sum += report.seconds["total"];
+    sum += once.seconds["total"];
     ++outcome.repetitions;
     if (!report.converged)
       break; // its time is not asked for

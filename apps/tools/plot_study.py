@@ -32,6 +32,8 @@ PARTS = {
     "local": ("#009E73", "^", "local solve"),
 }
 TOLERANCE = "Solver/Tolerance"
+ROUNDS = "Adaptivity/Rounds"
+WAYS = {False: ("cells of one size", "#0072B2", "o"), True: ("adapted", "#D55E00", "s")}
 
 
 def read_study(path):
@@ -219,6 +221,36 @@ def error_against_seconds(study):
     return figure
 
 
+def adaptivity(study):
+    """Of an axis that adapts meshes: its two kinds of meshes, medians over the other settings."""
+    axis, names = axis_with(study, ROUNDS), measures_of(study)
+    if axis is None or not names:
+        return None
+    place = axis["parameters"].index(ROUNDS)
+    figure, flat = panels(len(names))
+    for axes, name in zip(flat, names):
+        for adapted, (label, colour, marker) in WAYS.items():
+            points = []
+            for value in values_of(axis):
+                if (int(value.split(";")[place]) > 0) != adapted:
+                    continue
+                runs = [r for r in converged(study) if setting(r, axis) == value and error(r, name) > 0]
+                if runs:
+                    points.append([np.median([r["seconds"]["total"] for r in runs]), np.median([error(r, name) for r in runs])])
+            if points:
+                axes.loglog(*zip(*points), marker=marker, color=colour, linewidth=1.3, markersize=5, label=label)
+        for target in study["targets"]:
+            axes.axhline(target, color=FAINT, linewidth=0.7, linestyle=(0, (2, 3)), zorder=1)
+        label_decades(axes.xaxis, *axes.get_xlim())
+        label_decades(axes.yaxis, *axes.get_ylim())
+        axes.set_title(study["measures"][name])
+        axes.set_xlabel("seconds, of all rounds")
+        axes.set_ylabel("relative error")
+        tidy(axes)
+    legend_below(figure, flat[0].get_legend_handles_labels()[0], 2)
+    return figure
+
+
 def stages(study):
     names, runs = measures_of(study), converged(study)
     if not names or not runs:
@@ -374,6 +406,7 @@ def error_parts(study):
 
 CHARTS = {
     "error_against_seconds": error_against_seconds,
+    "adaptivity": adaptivity,
     "stages": stages,
     "iterations": iterations,
     "error_parts": error_parts,

@@ -235,9 +235,12 @@ TEST(ErrorNorms, membranes) {
 }
 
 // Against a look at all places, in space, in a plane and on a line, with places that are equal.
-TEST(SizeField, nearest_place) {
+TEST(SizeField, nearest_place_and_growth) {
   std::minstd_rand random(7);
   const auto number = [&random] { return static_cast<double>(random()) / std::minstd_rand::max(); };
+  const auto distance = [](const Point& a, const Point& b) {
+    return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
+  };
   for (std::size_t dimension = 1; dimension <= 3; ++dimension) {
     std::vector<Point> places;
     std::vector<double> sizes;
@@ -246,22 +249,23 @@ TEST(SizeField, nearest_place) {
       for (std::size_t d = 0; d < dimension; ++d)
         place[d] = number() * number();
       places.push_back(k % 10 == 9 ? places.back() : place);
-      sizes.push_back(1.0 + k);
+      sizes.push_back(std::pow(10.0, -3.0 * number()));
     }
     const fem::SizeField field(places, sizes);
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      double grown = std::numeric_limits<double>::max();
+      for (std::size_t j = 0; j < places.size(); ++j)
+        grown = std::min(grown, std::max(sizes[j], 0.75 * sizes[j] + 0.5 * distance(places[i], places[j])));
+      EXPECT_GE(field(places[i]), grown * (1.0 - 1e-12));
+      EXPECT_LE(field(places[i]), grown / 0.9 * (1.0 + 1e-12));
+    }
     for (int k = 0; k < 200; ++k) {
       const Point at = {2.0 * number() - 0.5, 2.0 * number() - 0.5, number()};
-      const auto square = [&at](const Point& place) {
-        double sum = 0.0;
-        for (std::size_t d = 0; d < 3; ++d)
-          sum += (at[d] - place[d]) * (at[d] - place[d]);
-        return sum;
-      };
       double least = std::numeric_limits<double>::max();
       for (const Point& place : places)
-        least = std::min(least, square(place));
-      EXPECT_EQ(square(places[field.nearest(at)]), least);
-      EXPECT_EQ(field(at), sizes[field.nearest(at)]);
+        least = std::min(least, distance(at, place));
+      EXPECT_DOUBLE_EQ(distance(at, places[field.nearest(at)]), least);
+      EXPECT_EQ(field(at), field(places[field.nearest(at)]));
     }
   }
 }

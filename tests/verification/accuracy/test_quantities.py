@@ -96,7 +96,7 @@ class Quantities(unittest.TestCase):
 
     def test_force(self):
         """Of what holds the corner's foot when its head is moved: the energy is half of force by way, and stationary."""
-        mesh, tree = corner(0.5)
+        mesh, tree = corner(0.5, 2)
         tree["Effects"] = {"Prescribed displacement": {
             "foot": {"Part": "body/held", "Displacement": [0.0, 0.0, 0.0]},
             "head": {"Part": "body/pulled", "Displacement": [0.0, 1e-3, 0.0]}}}
@@ -114,7 +114,7 @@ class Quantities(unittest.TestCase):
 
     def test_peak_pressure(self):
         """Of a cylinder on a plane: with Hertz' pressures ∫p⁹/∫p⁸ is p₀ B(1/2, 11/2) / B(1/2, 5), p₀ by the force."""
-        run, rows = self.rounds(cylinder(0.3), {"Quantity": "peak pressure", "Of": "Obstacle/floor", "Target error": 1e-3,
+        run, rows = self.rounds(cylinder(0.3, 2), {"Quantity": "peak pressure", "Of": "Obstacle/floor", "Target error": 1e-3,
                                                 "Rounds": 20})
         force = abs(run.summary["forces"]["Obstacle/floor"]["force"][1])
         peak = math.sqrt(force / (1.0 - 0.3**2) / math.pi)
@@ -127,7 +127,7 @@ class Quantities(unittest.TestCase):
         """Of the floor, by gaps, and of what presses, by displacements: the same force, and the same bound."""
         bounds = []
         for effect, sign in (("Obstacle/floor", 1.0), ("Prescribed displacement/press", -1.0)):
-            _, rows = self.rounds(cylinder(0.3), {"Quantity": "force", "Of": effect, "Direction": [0.0, sign, 0.0],
+            _, rows = self.rounds(cylinder(0.3, 2), {"Quantity": "force", "Of": effect, "Direction": [0.0, sign, 0.0],
                                                   "Target error": 1e-3, "Rounds": 20})
             bounds.append([(row["quantity"], row["quantity_error"]) for row in rows[:4]])
         for one, other in zip(*bounds):
@@ -180,7 +180,7 @@ class Refusals(unittest.TestCase):
         self.refused(ring(), {"Quantity": "peak pressure", "Of": "Prescribed displacement/x"}, "no contact pressure")
 
     def test_friction(self):
-        mesh, tree = cylinder(0.3)
+        mesh, tree = cylinder(0.3, 2)
         tree["Effects"]["Obstacle"]["floor"]["Coefficient"] = 0.3
         tree["Effects"]["Friction"] = {"rough": {"Contact": "Obstacle/floor", "Coefficient": 0.3}}
         del tree["Effects"]["Obstacle"]["floor"]["Coefficient"]
