@@ -101,6 +101,7 @@ AdaptiveRounds::AdaptiveRounds(const Teuchos::RCP<const Teuchos::Comm<int>>& com
 void AdaptiveRounds::setOptions(run::RunOptions& options) const {
   constexpr double share = 0.01;
   options.quantity = quantity_;
+  options.cellFields.error = isAsked();
   if (isAsked())
     options.tolerance = std::min(options.tolerance, share * target_);
 }

@@ -396,8 +396,9 @@ std::vector<Blocks> readBlocks(const DeckContext& context, const std::string& fi
         {scene.bodies[b].name, groupsOf(scene.bodies[b].name, bodies.sublist(scene.bodies[b].name))});
   fem::GmshMeshing meshing;
   meshing.sizes = context.sizes;
-  if (meshing.sizes == nullptr && file == meshFileOf(context))
-    meshing.size = context.deck.sublist("Model").get<double>("Mesh size");
+  const ParameterList& model = context.deck.sublist("Model");
+  if (meshing.sizes == nullptr && file == meshFileOf(context) && model.isParameter("Mesh size"))
+    meshing.size = model.get<double>("Mesh size");
   return fem::groupedByBody(fem::readGmsh(file, wanted, dimension, meshing));
 }
 

@@ -28,21 +28,22 @@ void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& regist
                 {"solid", "elastic, three dimensions"},
                 {"membrane", "−Δu = f in the plane, one displacement a node"}},
                "Of all bodies.");
-  if (kinematics == KinematicsChoice::Offered)
+  if (kinematics == KinematicsChoice::Offered) { // of the program harmos
     model.choice(
         "Kinematics", "small",
         {{"small", "linear: strains and rotations are small, contacts are those of the bodies at rest"},
          {"finite", "displacements, rotations and strains of any size; contacts slide"}},
         "What displacements may be.");
+    model.real(
+        "Mesh size", 0.0, Range::atLeast(0.0),
+        "Longest edge, about, of the cells of a geometry that is meshed (.geo, .step). 0: as the file has "
+        "it.");
+  }
   model.text("Name", "scene", "Name of the scene in log and summary.");
   model.text("Mesh file", "",
              "Mesh file of bodies with the source \"file\", relative to the deck. A file that Gmsh reads "
              "(.msh, .vtk; .geo and .step are meshed first), or one that harmos-mesh has cut (.h5: each rank "
              "reads its own parts).");
-  model.real(
-      "Mesh size", 0.0, Range::atLeast(0.0),
-      "Longest edge, about, of the cells of a geometry that is meshed (.geo, .step). 0: as the file has "
-      "it.");
   deck.list(std::move(model));
   addBodyParameters(deck);
   addPartParameters(deck);

@@ -122,8 +122,9 @@ Json runOf(const Plan& plan, const Point& point) {
   run["reason"] = row.at("reason");
   run["dual_operator"] = row.at("dual_operator");
   run["solver"] = row.at("solver");
-  for (const char* column : {"repetitions", "primal_dimension", "dual_dimension", "subdomains", "products",
-                             "iterations", "outer_iterations", "tight_tolerance", "memory_mib", "estimated_error"})
+  for (const char* column :
+       {"repetitions", "primal_dimension", "dual_dimension", "subdomains", "products", "iterations",
+        "outer_iterations", "tight_tolerance", "memory_mib", "estimated_error"})
     run[column] = number(numberOf(row, column));
   for (const auto& [column, text] : row)
     if (column.rfind("seconds_", 0) == 0)

@@ -374,6 +374,15 @@ class Sweeps(Scripts):
             self.assertEqual(set(item), described("transient_steps"))
             self.assertEqual(item["steps"], 5)
 
+    def test_adaptive_curves(self):
+        document = self.script("adaptive/adaptive_curves.py", "--scenes", "corner", "--repetitions", "1", "--coarser", "4")
+        (item,) = document["runs"]
+        self.assertEqual(set(item), described("adaptive_curves"))
+        self.assertEqual(len(item["points"]), 10)
+        self.assertGreater(item["rate_adapted"], 2.0 * item["rate_uniform"])
+        for efficiency in item["efficiency"]:
+            self.assertTrue(0.7 < efficiency < 1.3, item["efficiency"])
+
     def test_scaling(self):
         document = self.script("scaling.py", "--cells", "2x8", "--repetitions", "1")
         self.assertEqual([item["kind"] for item in document["speedups"]], ["unshared", "shared"])

@@ -125,7 +125,7 @@ class Documents(unittest.TestCase):
         """What a tool's command draws; nothing if it draws nothing."""
         tool = pathlib.Path(words[0]).name
         if tool == "harmos-plot":
-            drawn = {"--scaling": ["scaling.png"], "--parts": ["parts.png"], "--curve": ["curve.png"], "--shape": ["shape.png"],
+            drawn = {"--scaling": ["scaling.png"], "--parts": ["parts.png"], "--curve": ["curve.png"], "--shape": ["shape.png"], "--rounds": ["rounds.png"],
                      "--frames": ["solution.png", "frame_0001.png", "steps.gif"]}
             return next((drawn[word] for word in words if word in drawn), ["solution.png"])
         return ["*.png"] if tool.startswith(("plot", "draw")) else []

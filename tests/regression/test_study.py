@@ -360,7 +360,7 @@ class Decks(unittest.TestCase):
     def test_decks_and_page(self):
         page = (runs.SOURCE / "docs" / "accuracy.md").read_text(encoding="utf-8")
         decks = [deck for deck in DECK.parent.glob("*.xml") if deck != DECK]
-        self.assertEqual(len(decks), 3)
+        self.assertEqual(len(decks), 4)
         for deck in decks:
             with self.subTest(deck=deck.name):
                 run = study(deck=deck, np_=1, extra=["--check"])

@@ -136,8 +136,7 @@ double resultBytes(const RankLoad& load, const PlanSurvey& survey, const run::Ru
   const bool hasStress = elastic && options.writeStresses;
   const double kept = (hasStress ? 48.0 : 0.0) + (survey.inequalities > 0 ? 17.0 : 0.0);
   const double atNode = hasStress ? 56.0 : 24.0; // stress and that of von Mises; coordinates
-  const double cells =
-      elastic && options.cellFields == run::CellFields::Stress ? 96.0 * load.cells : 0.0; // twice
+  const double cells = elastic && options.cellFields.stress ? 96.0 * load.cells : 0.0; // twice
   return kept * load.nodes + cells + std::max(atNode * load.nodes, 8.0 * load.links + 9.0 * load.cells);
 }
 

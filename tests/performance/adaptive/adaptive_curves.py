@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Error over seconds of meshes of one size and of meshes that follow the error.
 
-    adaptive_curves.py [--scenes corner,cylinder,...] [--repetitions 3] [--order 2] [--output JSON] [--keep DIR]
+    adaptive_curves.py [--scenes corner,cylinder,...] [--repetitions 3] [--order 2] [--coarser 1] [--output JSON]
+        [--keep DIR]
 
 For each scene the program study runs five meshes of one size and five targets of the adapted ones on two ranks; errors are
 those in the energy norm against a far finer adapted mesh, seconds those of whole runs: of the adapted ones all rounds.
@@ -46,21 +47,22 @@ def study_deck(application_deck, sizes, targets, finest, repetitions):
     return path
 
 
-def studied(name, order, repetitions, keep):
+def studied(name, options):
+    order, coarser = options.order, options.coarser
     scene = SCENES[name]
     mesh, tree = scene.make(order)
     tree["Model"]["Mesh file"] = geometry(mesh)
     tree["Adaptivity"] = {"Rounds": 0}
     tree["Solver"] = {"Tolerance": 1e-5}
-    sizes, targets, finest = scene.sizes[order], scene.targets[order], scene.finest[order]
-    path = study_deck(deck(tree), sizes, targets, finest, repetitions)
+    sizes, targets = ([coarser * value for value in values[order]] for values in (scene.sizes, scene.targets))
+    path = study_deck(deck(tree), sizes, targets, coarser * scene.finest[order], options.repetitions)
     output = runs.scratch("study")
     run = runs.start([path, "--output", output], 2, program="study")
     if run.returncode != 0:
         raise harmos_measure.RunFailed(str(run))
     study = json.loads((output / "study.json").read_text(encoding="utf-8"))
-    if keep:
-        shutil.copytree(output, Path(keep) / f"{name}_{order}", dirs_exist_ok=True)
+    if options.keep:
+        shutil.copytree(output, Path(options.keep) / f"{name}_{order}", dirs_exist_ok=True)
     found = []
     for item in study["runs"]:
         adapted = item["label"].startswith("adapted")
@@ -118,13 +120,15 @@ def main():
     parser.add_argument("--scenes", default=",".join(SCENES))
     parser.add_argument("--repetitions", type=int, default=3)
     parser.add_argument("--order", type=int, default=2)
+    parser.add_argument("--coarser", type=float, default=1.0, help="sizes and targets times this")
     parser.add_argument("--output")
     parser.add_argument("--keep", help="directory for the studies")
     options = parser.parse_args()
-    results = []
+    runs.TIMEOUT = 3600
+    document = {"benchmark": "adaptive_curves", "harmos": harmos_measure.version(), "ranks": 2, "runs": []}
     for name in options.scenes.split(","):
-        result = judged(name, options.order, studied(name, options.order, options.repetitions, options.keep))
-        results.append(result)
+        result = judged(name, options.order, studied(name, options))
+        document["runs"].append(result)
         rows = [(p["label"], p["dofs"], f"{p['seconds']:.3g}", f"{p['error']:.3g}",
                  f"{p['estimate'] / p['error']:.2f}" if p["adapted"] else "") for p in result["points"]]
         runs.table(name, ("mesh", "dofs", "seconds", "error", "estimate over error"), rows)
@@ -133,8 +137,7 @@ def main():
               f"ratio {result['ratio']:.3g}; rates {result['rate_uniform']:.2f}, {result['rate_adapted']:.2f}; "
               f"the reference's own error {result['points'][0]['reference']:.1e}", flush=True)
         if options.output:
-            Path(options.output).write_text(json.dumps({"version": harmos_measure.version(), "results": results}, indent=1),
-                                            encoding="utf-8")
+            Path(options.output).write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -256,8 +256,10 @@ TEST(SizeField, nearest_place_and_growth) {
       double grown = std::numeric_limits<double>::max();
       for (std::size_t j = 0; j < places.size(); ++j)
         grown = std::min(grown, std::max(sizes[j], 0.75 * sizes[j] + 0.5 * distance(places[i], places[j])));
-      EXPECT_GE(field(places[i]), grown * (1.0 - 1e-12));
-      EXPECT_LE(field(places[i]), grown / 0.9 * (1.0 + 1e-12));
+      // Rounded before and after to half a step of 2^(1/8).
+      EXPECT_GE(field(places[i]), grown * std::pow(2.0, -0.126));
+      EXPECT_LE(field(places[i]), grown / 0.9 * std::pow(2.0, 0.126));
+      EXPECT_NEAR(std::remainder(8.0 * std::log2(field(places[i])), 1.0), 0.0, 1e-12);
     }
     for (int k = 0; k < 200; ++k) {
       const Point at = {2.0 * number() - 0.5, 2.0 * number() - 0.5, number()};

@@ -19,8 +19,9 @@ struct Predicted {
 };
 Predicted predicted(const std::vector<CellError>& cells, const run::NextMesh& next, double p, double d) {
   Predicted result;
-  for (const CellError& cell : cells) {
-    const double factor = (*next.sizes)(cell.centre) / cell.size;
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    const CellError& cell = cells[k];
+    const double factor = next.lengths[k] / cell.size;
     result.error += cell.square * std::pow(factor, 2.0 * p);
     result.cells += std::pow(factor, -d);
     const double of_each = cell.square * std::pow(factor, 2.0 * p + d);
@@ -59,9 +60,10 @@ TEST(NextMesh, limits) {
   std::vector<CellError> all = cells();
   all[21].square = 0.0;
   const run::NextMesh next = run::nextMesh(all, {0.05, 1, 2, 0.0});
-  EXPECT_GT((*next.sizes)(all[21].centre), 1.2 * (*next.sizes)(all[20].centre)); // as far as sizes may grow
+  EXPECT_DOUBLE_EQ(next.lengths[21], 2.0 * 0.1);
+  EXPECT_LT((*next.sizes)(all[21].centre), 0.2); // as far as sizes may grow from its neighbours'
   const run::NextMesh tiny = run::nextMesh(all, {1e-9, 1, 2, 0.0});
-  EXPECT_DOUBLE_EQ((*tiny.sizes)(all[3].centre), 0.5 * 0.1);
+  EXPECT_DOUBLE_EQ(tiny.lengths[3], 0.5 * 0.1);
   all[21].square = all[20].square;
   const run::NextMesh limited = run::nextMesh(all, {1e-9, 1, 2, 100.0});
   const Predicted found = predicted(all, limited, 1, 2);
@@ -69,7 +71,7 @@ TEST(NextMesh, limits) {
   EXPECT_NEAR(found.least, found.most, 0.1 * found.most); // all[21] has that of its neighbour
   const run::NextMesh asked = run::nextMesh(all, {0.05, 1, 2, 0.0});
   const run::NextMesh shorter = run::nextMesh(all, {0.05, 1, 2, 0.0, 1.25});
-  EXPECT_DOUBLE_EQ((*shorter.sizes)(all[3].centre), 0.8 * (*asked.sizes)(all[3].centre));
+  EXPECT_DOUBLE_EQ(shorter.lengths[3], 0.8 * asked.lengths[3]);
 }
 
 // The first rounds are limited by growth and by a share of the error; a mesher that makes longer edges is
@@ -94,8 +96,8 @@ TEST(RoundAim, what_became_of_rounds_before) {
   const double stretch = std::sqrt(wanted.cells / 50.0), excess = error / (0.95 * target);
   const run::NextMesh same = run::nextMesh(all, {0.95 * target / excess, 1, 2, 150.0, stretch});
   EXPECT_GT(stretch, 1.05);
-  for (const CellError& cell : all)
-    EXPECT_NEAR((*again.sizes)(cell.centre), (*same.sizes)(cell.centre), 1e-9 * cell.size);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    EXPECT_NEAR(again.lengths[k], same.lengths[k], 1e-9 * all[k].size);
 }
 
 } // namespace test_next_mesh

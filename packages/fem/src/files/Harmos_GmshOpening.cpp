@@ -51,8 +51,8 @@ void prescribe(const GmshMeshing& meshing) {
     return;
   for (const char* source : {"Mesh.MeshSizeFromPoints", "Mesh.MeshSizeExtendFromBoundary"})
     gmsh::option::setNumber(source, 0.0);
-  // Gmsh shakes points by 1e-9 of the body, so that no four lie on a circle: where cells are 1e-5 of it, three
-  // points of a straight edge then make a triangle without area.
+  // Gmsh shakes points by 1e-9 of the body, so that no four lie on a circle: where cells are 1e-5 of it,
+  // three points of a straight edge then make a triangle without area.
   constexpr double shake = 1e-12;
   gmsh::option::setNumber("Mesh.RandomFactor", shake);
   // Of places that Gmsh asks for; newer releases add what they would take by themselves.

@@ -4,6 +4,7 @@
 #include "Harmos_Errors.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -16,6 +17,21 @@ namespace {
 double grown(double size, double distance) {
   constexpr double growth = 0.5;
   return std::max(size, size * (1.0 - 0.5 * growth) + growth * distance);
+}
+
+// To a power of 2^(1/8), of which all processors have the same bits.
+double rounded(double size) {
+  static constexpr std::array<double, 8> steps = {1.0,
+                                                  1.0905077326652577,
+                                                  1.189207115002721,
+                                                  1.2968395546510096,
+                                                  1.4142135623730951,
+                                                  1.5422108254079407,
+                                                  1.681792830507429,
+                                                  1.8340080864093424};
+  const auto step = static_cast<int>(std::floor(8.0 * std::log2(size) + 0.5));
+  const int octave = step >= 0 ? step / 8 : -((7 - step) / 8);
+  return std::ldexp(steps[static_cast<std::size_t>(step - 8 * octave)], octave);
 }
 
 // From a box.
@@ -34,11 +50,15 @@ SizeField::SizeField(std::vector<Point> places, std::vector<double> sizes)
     : places_(std::move(places)), sizes_(std::move(sizes)), order_(places_.size()), halves_(places_.size()) {
   if (places_.empty() || places_.size() != sizes_.size())
     throw InternalError("a field of sizes needs places, and a size for each of them");
+  for (double& size : sizes_)
+    size = rounded(size);
   std::iota(order_.begin(), order_.end(), std::size_t{0});
   sort(0, order_.size());
   std::vector<double> given = sizes_;
-  for (std::size_t k = 0; k < given.size(); ++k)
+  for (std::size_t k = 0; k < given.size(); ++k) {
     grow(0, order_.size(), places_[k], given[k]);
+    given[k] = rounded(given[k]);
+  }
   sizes_ = std::move(given);
 }
 

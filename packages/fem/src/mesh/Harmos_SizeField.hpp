@@ -14,8 +14,9 @@ namespace Harmos::fem {
 ///
 ///     h_i ← min_j max(h_j, h_j(1 − g/2) + g d_ij),  g = 0.5
 ///
-/// so that within a cell h_j is as given. A tree of halves (k-d tree: Bentley, Comm. ACM 18, 1975) with the
-/// box and the least size of each.
+/// so that within a cell h_j is as given. They are rounded to eight steps an octave: meshes do not depend on
+/// rounding errors of what sizes come from, but for those at the edge of a step. A tree of halves (k-d tree:
+/// Bentley, Comm. ACM 18, 1975) with the box and the least size of each.
 ///
 /// All members are local. Guarded by tests/unit/fem/test_point_locator.cpp.
 class SizeField {

@@ -6,6 +6,7 @@
 #include "Harmos_Exchange.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace Harmos::run {
@@ -46,6 +47,22 @@ double cellsOf(const std::vector<double>& wishes, double c, double dimension) {
   return cells;
 }
 
+// The order of cells is not to depend on how they are spread, nor on the last bits of their places.
+double largest(const std::vector<CellError>& cells) {
+  double most = 0.0;
+  for (const CellError& cell : cells)
+    for (double coordinate : cell.centre)
+      most = std::max(most, std::abs(coordinate));
+  return most > 0.0 ? most : 1.0;
+}
+
+std::array<long long, 3> keyOf(const fem::Point& x, double scale) {
+  std::array<long long, 3> key{};
+  for (std::size_t d = 0; d < 3; ++d)
+    key[d] = std::llround(1e10 * x[d] / scale);
+  return key;
+}
+
 } // namespace
 
 std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
@@ -63,7 +80,11 @@ std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
       own.push_back(item);
     }
   }
-  return gatherAll(comm, own);
+  std::vector<CellError> all = gatherAll(comm, own);
+  std::sort(all.begin(), all.end(), [scale = largest(all)](const CellError& a, const CellError& b) {
+    return keyOf(a.centre, scale) < keyOf(b.centre, scale);
+  });
+  return all;
 }
 
 NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal) {
@@ -77,7 +98,7 @@ NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal) {
     wish.push_back(std::pow(cell.square, -1.0 / (2.0 * p + d)));
   }
   double c = sum > 0.0 ? std::pow(goal.error * goal.error / sum, 0.5 / p) : 1.0;
-  NextMesh result = {nullptr, cellsOf(wish, c, d)};
+  NextMesh result = {nullptr, cellsOf(wish, c, d), {}};
   if (goal.maximumCells > 0.0 && result.cells > goal.maximumCells) {
     double most = c; // the number falls as this grows
     for (int k = 0; k < 200 && cellsOf(wish, most, d) > goal.maximumCells; ++k)
@@ -90,12 +111,11 @@ NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal) {
     result.cells = cellsOf(wish, c, d);
   }
   std::vector<fem::Point> places;
-  std::vector<double> sizes;
   for (std::size_t k = 0; k < cells.size(); ++k) {
     places.push_back(cells[k].centre);
-    sizes.push_back(factorOf(c * wish[k]) * cells[k].size / goal.stretch);
+    result.lengths.push_back(factorOf(c * wish[k]) * cells[k].size / goal.stretch);
   }
-  result.sizes = std::make_shared<const fem::SizeField>(std::move(places), std::move(sizes));
+  result.sizes = std::make_shared<const fem::SizeField>(std::move(places), result.lengths);
   return result;
 }
 

@@ -18,8 +18,9 @@ struct CellError {
   double square; ///< of its error in the energy norm, or its share of that of a quantity
 };
 
-/// Of all cells of all ranks, on every one of them. @param squares of the cells of each of this rank's
-/// subdomains, see estimateDiscretisationError(). @note Collective.
+/// Of all cells of all ranks, on every one of them, in an order that does not depend on the ranks. @param
+/// squares of the cells of each of this rank's subdomains, see estimateDiscretisationError(). @note
+/// Collective.
 std::vector<CellError> cellErrors(const Teuchos::Comm<int>& comm,
                                   const std::vector<scene::OwnedSubdomain>& owned,
                                   const std::vector<std::vector<double>>& squares);
@@ -36,7 +37,8 @@ struct MeshGoal {
 
 struct NextMesh {
   std::shared_ptr<const fem::SizeField> sizes;
-  double cells; ///< how many there will be, about
+  double cells;                ///< how many there will be, about
+  std::vector<double> lengths; ///< of edges at each cell, before sizes grow from cell to cell
 };
 
 /// The mesh of fewest cells whose error is what is asked for, if that of a cell goes with its size as η_i² ~

@@ -63,9 +63,8 @@ RunOptions RunOptions::fromDeck(const Teuchos::ParameterList& deck) {
   options.outputDirectory = deck.sublist("Output").get<std::string>("Directory");
   options.writeFields = deck.sublist("Output").get<bool>("Fields");
   options.writeStresses = deck.sublist("Output").get<bool>("Stresses");
-  options.cellFields = deck.sublist("Output").sublist("Expert").get<std::string>("Cell fields") == "stress"
-                           ? CellFields::Stress
-                           : CellFields::None;
+  options.cellFields.stress =
+      deck.sublist("Output").sublist("Expert").get<std::string>("Cell fields") == "stress";
   options.every = deck.sublist("Output").get<int>("Every");
   options.writeRanks = deck.sublist("Output").sublist("Expert").get<bool>("Rank diagnostics");
   options.liveSeconds = deck.sublist("Output").sublist("Expert").get<double>("Live seconds");

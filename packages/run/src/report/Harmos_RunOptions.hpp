@@ -44,9 +44,9 @@ struct CheckpointOptions {
 };
 
 /// Fields of cells in the result file, besides subdomain, body and region.
-enum class CellFields {
-  None,
-  Stress ///< mean stresses of elastic bodies, see run::cellStresses()
+struct CellFields {
+  bool stress = false; ///< mean stresses of elastic bodies, see run::cellStresses()
+  bool error = false;  ///< estimated errors, see run::estimateDiscretisationError()
 };
 
 /// The lists of a deck that every application shares: Decomposition, Dual operator, Solver, Output.
@@ -56,7 +56,7 @@ struct RunOptions : feti::SolverOptions {
   std::string outputDirectory;
   bool writeFields = true;
   bool writeStresses = true;
-  CellFields cellFields = CellFields::None;
+  CellFields cellFields;
   int every = 1;            ///< of several steps, the first of those whose fields are written
   bool writeRanks = false;  ///< ranks.csv
   double liveSeconds = 5.0; ///< between two contact.csv; 0 for none

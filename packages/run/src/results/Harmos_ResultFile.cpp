@@ -54,7 +54,8 @@ long long bytesOf(const Owned& owned, const ResultFields& fields) {
   const long long atPoint = 8LL * width + (fields.contact != nullptr ? 17 : 0) +
                             (fields.contact != nullptr && !fields.contact->friction.empty() ? 49 : 0) +
                             (fields.contact != nullptr && !fields.contact->damage.empty() ? 57 : 0);
-  const long long ofCell = 3LL * 4 + (fields.cellStress != nullptr ? 6LL * 8 : 0);
+  const long long ofCell =
+      3LL * 4 + (fields.cellStress != nullptr ? 6LL * 8 : 0) + (fields.cellError != nullptr ? 8 : 0);
   long long bytes = 0;
   for (const scene::OwnedSubdomain& item : owned)
     bytes += atPoint * item.mesh.mesh->numberOfNodes() + ofCell * item.mesh.mesh->numberOfCells();
@@ -168,6 +169,8 @@ void writeResult(const Teuchos::Comm<int>& comm, const std::string& path,
     writeContact(file, *fields.contact, fields.kinds);
   if (fields.cellStress != nullptr)
     file.cellData("cell_stress", flat(*fields.cellStress), 6);
+  if (fields.cellError != nullptr)
+    file.cellData("estimated_error", joined(*fields.cellError));
   using Item = scene::OwnedSubdomain;
   file.cellData("subdomain",
                 cellNumbers(owned, [](const Item& item, int) { return static_cast<int>(item.number); }));

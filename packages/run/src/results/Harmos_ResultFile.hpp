@@ -19,6 +19,7 @@ struct ResultFields {
   const std::vector<std::vector<fem::Voigt>>* stress = nullptr;     ///< null: none
   const std::vector<std::vector<double>>* plasticStrain = nullptr;  ///< equivalent; null: none
   const std::vector<std::vector<fem::Voigt>>* cellStress = nullptr; ///< of cells; null: none
+  const std::vector<std::vector<double>>* cellError = nullptr;      ///< estimated, of cells; null: none
   const ContactFields* contact = nullptr;                           ///< null without contact
   ContactFieldKinds kinds;                                          ///< that this has
 };
@@ -30,7 +31,7 @@ struct ResultFields {
 /// yy, zz, xy, yz, xz) and von_mises; where materials yield equivalent_plastic_strain; with contact also
 /// contact_pressure, gap, active_set; with friction also friction_traction, slip (vectors), friction_state;
 /// with adhesion also bound (1 where it acts), damage, jump, interface_traction (vectors). Cell data:
-/// subdomain, body, region, and on request cell_stress.
+/// subdomain, body, region, and on request cell_stress and estimated_error (in the energy norm).
 ///
 /// Arrays are made when they are written and then let go of: cells with their types and offsets, stresses
 /// with those of von Mises, all else one by one.

@@ -663,10 +663,19 @@ void RunStages::writeFields(const std::string& file) {
     fields.stress = &recovered.stress;
     fields.plasticStrain = context_.scene.yields() ? &recovered.states : nullptr; // on all ranks alike
   }
-  if (context_.options.cellFields == CellFields::Stress && isElastic()) {
+  if (context_.options.cellFields.stress && isElastic()) {
     agree(*context_.comm,
           [&] { cellStress = cellStresses(context_.scene, owned_, torn_.displacement, time_, materials_); });
     fields.cellStress = &cellStress;
+  }
+  std::vector<std::vector<double>> cellErrors;
+  if (context_.options.cellFields.error) {
+    estimateDiscretisationError(*context_.comm, context_.scene, owned_, torn_.displacement, time_,
+                                &cellErrors);
+    for (std::vector<double>& squares : cellErrors)
+      for (double& square : squares)
+        square = std::sqrt(square);
+    fields.cellError = &cellErrors;
   }
   ContactFields atNodes;
   // Of finite displacements contacts come and go, the fields stay.
