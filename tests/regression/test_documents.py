@@ -112,8 +112,10 @@ class Documents(unittest.TestCase):
         Pictures are drawn as the page says; what bootstraps, configures or builds is left out, for
         whoever runs this test has done it.
         """
-        for page in ("README.md", "docs/scenes.md", "docs/signorini.md", "docs/debonding.md", "docs/clusters.md",
-                     "docs/shape.md"):
+        self.run_pages("README.md", "docs/scenes.md", "docs/clusters.md")
+
+    def run_pages(self, *pages):
+        for page in pages:
             text = (ROOT / page).read_text(encoding="utf-8")
             blocks = [b for b in re.findall(r"```sh\n(.*?)```", text, re.S) if "build/bin/" in b]
             self.assertTrue(blocks, page)
@@ -125,8 +127,8 @@ class Documents(unittest.TestCase):
         """What a tool's command draws; nothing if it draws nothing."""
         tool = pathlib.Path(words[0]).name
         if tool == "harmos-plot":
-            drawn = {"--scaling": ["scaling.png"], "--parts": ["parts.png"], "--curve": ["curve.png"], "--shape": ["shape.png"], "--rounds": ["rounds.png"],
-                     "--frames": ["solution.png", "frame_0001.png", "steps.gif"]}
+            drawn = {"--scaling": ["scaling.png"], "--parts": ["parts.png"], "--curve": ["curve.png"], "--shape": ["shape.png"],
+                     "--rounds": ["rounds.png"], "--frames": ["solution.png", "frame_0001.png", "steps.gif"]}
             return next((drawn[word] for word in words if word in drawn), ["solution.png"])
         return ["*.png"] if tool.startswith(("plot", "draw")) else []
 
@@ -399,6 +401,15 @@ class Documents(unittest.TestCase):
             path = runs.scratch().with_suffix(f".{number}.xml")
             path.write_text(deck, encoding="utf-8")
             runs.solved(self, path, program="harmos")
+
+
+class Commands(unittest.TestCase):
+    """Those of longer pages."""
+
+    run_pages, run_block, pictures_of = Documents.run_pages, Documents.run_block, staticmethod(Documents.pictures_of)
+
+    def test_commands_run(self):
+        self.run_pages("docs/signorini.md", "docs/debonding.md", "docs/shape.md")
 
 
 if __name__ == "__main__":

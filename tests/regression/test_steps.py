@@ -401,13 +401,6 @@ class Restarts(Continued, unittest.TestCase):
         self.restarted(directory)
         self.same_bits(self.plain(CYLINDER, self.SETS), directory)
 
-    def test_killed_after_a_checkpoint_within_a_step(self):
-        directory = self.killed(CYLINDER, self.SETS | {"Output/Checkpoint/Outer iterations": 1}, 2)
-        # Into a directory of its own, where what was done before is brought to.
-        target = runs.scratch("target")
-        self.restarted(directory, target)
-        self.same_bits(self.plain(CYLINDER, self.SETS), target)
-
     def test_stopped_by_a_signal(self):
         run = runs.Background(CYLINDER, self.SETS)
         run.wait_until(lambda: (run.directory / "result_0001.vtkhdf").is_file())
@@ -480,6 +473,16 @@ class Restarts(Continued, unittest.TestCase):
         self.assertGreater(damaged[steps // 2], damaged[steps // 4])
         self.assertEqual(damaged[-1], damaged[steps // 2])
 
+
+
+class LongRestarts(Continued, unittest.TestCase):
+    def test_killed_after_a_checkpoint_within_a_step(self):
+        directory = self.killed(CYLINDER, self.SETS | {"Output/Checkpoint/Outer iterations": 1}, 2)
+        # Into a directory of its own, where what was done before is brought to.
+        target = runs.scratch("target")
+        self.restarted(directory, target)
+        self.same_bits(self.plain(CYLINDER, self.SETS), target)
+
     def test_taken_up_by_other_ranks(self):
         cut = self.killed(BLOCKS, self.TILTED, 2, program="harmos")
         plain = self.plain(BLOCKS, self.TILTED, program="harmos")
@@ -489,8 +492,6 @@ class Restarts(Continued, unittest.TestCase):
             self.restarted(directory, np=np, program="harmos")
             self.same_within(plain, directory, 10 * self.TILTED["Solver/Tolerance"])
 
-
-class LongRestarts(Continued, unittest.TestCase):
     def test_stopped_on_the_way_to_damage(self):
         """In steps of some twenty solutions: what all of them told of the bodies, bit for bit."""
         size = {"Model/Columns": 6, "Model/Rows": 6, "Output/Fields": False}

@@ -78,7 +78,7 @@ class Corner(unittest.TestCase):
         exact = self.exact()
         found = []
         for order, target in ((1, 0.02), (2, 0.004)):
-            run, rows = self.rounds(corner(0.4, order), {"Rounds": 12, "Target error": target})
+            run, rows = self.rounds(corner(0.4, order), {"Rounds": 20, "Target error": target})
             errors = [math.sqrt(max(0.0, 1.0 - row["energy"] / exact)) for row in rows]
             found += [(order, int(row["cells"]), int(row["dofs"]), f"{row['estimated_error']:.4f}", f"{error:.4f}",
                        f"{row['seconds']:.2f}") for row, error in zip(rows, errors)]
