@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Harmos_NextMesh.hpp"
+#include "Harmos_Quantity.hpp"
 #include "Harmos_RoundAim.hpp"
 
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -98,6 +100,31 @@ TEST(RoundAim, what_became_of_rounds_before) {
   EXPECT_GT(stretch, 1.05);
   for (std::size_t k = 0; k < all.size(); ++k)
     EXPECT_NEAR(again.lengths[k], same.lengths[k], 1e-9 * all[k].size);
+}
+
+// Derivatives against differences; of degree one in the forces, and between the mean and the largest
+// pressure.
+TEST(Quantity, derivatives_of_the_peak_pressure) {
+  const Teuchos::SerialComm<int> comm;
+  const std::vector<double> areas = {0.5, 1.0, 2.0, 1.0, 0.0, 1.0};
+  std::vector<double> forces = {0.4, 1.0, 1.8, 0.1, 0.3, -0.2};
+  const run::PeakOfPressure peak = run::peakOfPressure(comm, forces, areas);
+  EXPECT_GT(peak.value, 0.6);
+  EXPECT_LT(peak.value, 1.0);
+  double product = 0.0;
+  for (std::size_t r = 0; r < forces.size(); ++r) {
+    product += forces[r] * peak.derivatives[r];
+    constexpr double step = 1e-6; // central differences: 1e-12 · third derivative + 1e-16 / step
+    const double force = forces[r];
+    forces[r] = force + step;
+    const double above = run::peakOfPressure(comm, forces, areas).value;
+    forces[r] = force - step;
+    const double below = run::peakOfPressure(comm, forces, areas).value;
+    forces[r] = force;
+    EXPECT_NEAR(peak.derivatives[r], 0.5 * (above - below) / step, 1e-8) << r;
+  }
+  EXPECT_NEAR(product, peak.value, 1e-13);
+  EXPECT_EQ(run::peakOfPressure(comm, {0.0, -1.0}, {1.0, 1.0}).value, 0.0);
 }
 
 } // namespace test_next_mesh

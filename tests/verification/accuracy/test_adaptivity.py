@@ -22,7 +22,7 @@ try:
 except ImportError as error:
     runs.skip(f"{error.name} is not installed")
 
-from adaptive_scenes import ball  # noqa: E402
+from adaptive_scenes import ball, cylinder  # noqa: E402
 
 
 def fitted(sizes, errors):
@@ -107,20 +107,9 @@ class Contact(unittest.TestCase):
     def test_cylinder(self):
         """Half a cylinder pressed onto a rigid plane: cells become small where it touches, and the force over the width of
         the contact comes to Hertz'."""
-        mesh = geometry("""
-SetFactory("OpenCASCADE");
-Disk(1) = {0, 1, 0, 1}; Rectangle(2) = {-2, 1, 0, 4, 2};
-BooleanDifference(3) = { Surface{1}; Delete; }{ Surface{2}; Delete; };
-sole() = Curve In BoundingBox{-1.01, -0.01, -0.01, 1.01, 1.01, 0.01};
-top() = Curve In BoundingBox{-1.01, 0.99, -0.01, 1.01, 1.01, 0.01};
-Physical Surface("body") = {3}; Physical Curve("top") = {top()}; sole() -= {top()}; Physical Curve("sole") = {sole()};
-Mesh.MeshSizeMax = 0.3;
-""")
-        press = 2e-4
-        tree = scene(mesh, "plane strain", {
-            "Obstacle": {"floor": {"Part": "body/sole"}},
-            "Prescribed displacement": {"press": {"Part": "body/top", "Displacement": [0.0, -press, 0.0]}},
-        }, {"Rounds": 12, "Target error": 0.06})
+        made, tree = cylinder(0.3, 1)
+        tree["Model"]["Mesh file"] = geometry(made)
+        tree["Adaptivity"] = {"Rounds": 12, "Target error": 0.06}
         run = runs.solved(self, deck(tree), np=2, program="harmos")
         rows = rounds_of(run)
         found = [(int(row["cells"]), int(row["dofs"]), f"{row['estimated_error']:.3f}", f"{row['seconds']:.2f}") for row in rows]

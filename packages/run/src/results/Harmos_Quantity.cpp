@@ -151,33 +151,21 @@ void leave(const Teuchos::Comm<int>& comm, const AnswerParts& answer, const feti
 // The value of a peak pressure; the derivatives by the forces of rows become their bounds.
 double setPeak(const Teuchos::Comm<int>& comm, const scene::Effect& effect, const AnswerParts& answer,
                std::vector<ConstraintRow>& rows) {
-  constexpr double n = 8.0;
-  std::vector<double> pressure(rows.size(), 0.0), area(rows.size(), 0.0);
-  double peak = 0.0;
+  std::vector<double> forces(rows.size(), 0.0), areas(rows.size(), 0.0);
   std::size_t point = 0; // inequality rows are those of the points, in their order
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (rows[r].kind != ConstraintRow::Kind::Inequality)
-      continue;
-    area[r] = answer.contact.points[point++].area;
-    if (answer.contact.origins[r].effect == &effect && area[r] > 0.0)
-      pressure[r] = std::max(0.0, answer.multipliers[r] / area[r]);
-    peak = std::max(peak, pressure[r]);
-  }
-  peak = globalMax(comm, peak);
-  if (peak <= 0.0)
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    if (rows[r].kind == ConstraintRow::Kind::Inequality) {
+      areas[r] = answer.contact.points[point++].area;
+      if (answer.contact.origins[r].effect == &effect)
+        forces[r] = answer.multipliers[r];
+    }
+  const PeakOfPressure peak = peakOfPressure(comm, forces, areas);
+  if (peak.value <= 0.0)
     throw InputError("\"Adaptivity/Quantity\" = \"peak pressure\": nothing bears a force at \"" +
                      effect.label() + "\"");
-  std::vector<double> sums(2, 0.0); // of p over the peak: powers neither vanish nor overflow
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    sums[0] += area[r] * std::pow(pressure[r] / peak, n);
-    sums[1] += area[r] * std::pow(pressure[r] / peak, n + 1.0);
-  }
-  globalSum(comm, sums);
-  const double value = sums[1] / sums[0]; // over the peak
   for (std::size_t r = 0; r < rows.size(); ++r)
-    if (const double p = pressure[r] / peak; p > 0.0)
-      rows[r].bound = ((n + 1.0) * std::pow(p, n) - n * value * std::pow(p, n - 1.0)) / sums[0];
-  return value * peak;
+    rows[r].bound = peak.derivatives[r];
+  return peak.value;
 }
 
 } // namespace
@@ -197,6 +185,32 @@ void Quantity::check(const scene::Scene& scene) const {
   if (kind == Kind::Force && !effect.exertsForce())
     throw InputError("\"Adaptivity/Of\": " + effect.label() +
                      " exerts no force; those of contacts, obstacles and prescribed displacements are known");
+}
+
+PeakOfPressure peakOfPressure(const Teuchos::Comm<int>& comm, const std::vector<double>& forces,
+                              const std::vector<double>& areas) {
+  constexpr double n = 8.0;
+  PeakOfPressure result;
+  result.derivatives.assign(forces.size(), 0.0);
+  std::vector<double> pressure(forces.size(), 0.0);
+  for (std::size_t r = 0; r < forces.size(); ++r)
+    pressure[r] = areas[r] > 0.0 ? std::max(0.0, forces[r] / areas[r]) : 0.0;
+  const double largest =
+      globalMax(comm, pressure.empty() ? 0.0 : *std::max_element(pressure.begin(), pressure.end()));
+  if (largest <= 0.0)
+    return result;
+  std::vector<double> sums(2, 0.0); // of p over the largest: powers neither vanish nor overflow
+  for (std::size_t r = 0; r < forces.size(); ++r) {
+    sums[0] += areas[r] * std::pow(pressure[r] / largest, n);
+    sums[1] += areas[r] * std::pow(pressure[r] / largest, n + 1.0);
+  }
+  globalSum(comm, sums);
+  const double value = sums[1] / sums[0]; // over the largest
+  for (std::size_t r = 0; r < forces.size(); ++r)
+    if (const double p = pressure[r] / largest; p > 0.0)
+      result.derivatives[r] = ((n + 1.0) * std::pow(p, n) - n * value * std::pow(p, n - 1.0)) / sums[0];
+  result.value = value * largest;
+  return result;
 }
 
 AdjointProblem adjointProblem(const Teuchos::Comm<int>& comm, const Quantity& quantity,

@@ -61,6 +61,15 @@ struct AnswerParts {
   const Forces& forces;
 };
 
+/// The quantity PeakPressure of forces at points with areas, and its derivatives by the forces; zero where
+/// nothing bears. @note Collective. Guarded by tests/unit/run/test_next_mesh.cpp.
+struct PeakOfPressure {
+  double value = 0.0;
+  std::vector<double> derivatives;
+};
+PeakOfPressure peakOfPressure(const Teuchos::Comm<int>& comm, const std::vector<double>& forces,
+                              const std::vector<double>& areas);
+
 /// @throws InputError on all ranks for a boundary part that is not there, and a pressure where nothing bears.
 /// @note Collective. Guarded by tests/verification/accuracy/test_quantities.py.
 AdjointProblem adjointProblem(const Teuchos::Comm<int>& comm, const Quantity& quantity,
