@@ -39,6 +39,15 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 # All tools want python3. What pictures need besides is of no use on a node that only computes; harmos-plot names what is
 # missing.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "openmpi-bin, python3")
+# Gmsh is loaded when a file wants it; dpkg-shlibdeps does not see it.
+find_program(HARMOS_DPKG_QUERY dpkg-query)
+if(HARMOS_ENABLE_GMSH AND HARMOS_DPKG_QUERY)
+  get_filename_component(gmsh "${GMSH_LIBRARY}" REALPATH)
+  execute_process(COMMAND ${HARMOS_DPKG_QUERY} --search "${gmsh}" OUTPUT_VARIABLE owner ERROR_QUIET)
+  if(owner MATCHES "^([^:]+):")
+    string(APPEND CPACK_DEBIAN_PACKAGE_DEPENDS ", ${CMAKE_MATCH_1}")
+  endif()
+endif()
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3-h5py, python3-matplotlib, python3-numpy, python3-vtk9")
 file(STRINGS cmake/packages-debian.txt packages REGEX "^lib.*-dev")
 list(TRANSFORM packages REPLACE " [?]$" "")

@@ -8,6 +8,7 @@
 #include "Harmos_Deck.hpp"
 #include "Harmos_Errors.hpp"
 #include "Harmos_Log.hpp"
+#include "Harmos_MpiStart.hpp"
 #include "Harmos_Pipeline.hpp"
 #include "Harmos_ProcessMemory.hpp"
 #include "Harmos_RunOptions.hpp"
@@ -426,6 +427,7 @@ class Words {
 
 int main(int argc, char** argv, const Program& program) {
   Words words(argc, argv);
+  prepareMpiStart();
   const Tpetra::ScopeGuard guard(&words.count, &words.data);
   const auto begin = std::chrono::steady_clock::now();
   const Teuchos::RCP<const Teuchos::Comm<int>> comm = Tpetra::getDefaultComm();

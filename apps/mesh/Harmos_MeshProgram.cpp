@@ -6,6 +6,7 @@
 #include "Harmos_Errors.hpp"
 #include "Harmos_GmshFile.hpp"
 #include "Harmos_MeshReport.hpp"
+#include "Harmos_MpiStart.hpp"
 #include "Harmos_NearestName.hpp"
 #include "Harmos_Partition.hpp"
 #include "Harmos_TornBody.hpp"
@@ -206,6 +207,7 @@ void cutAndWrite(const Request& request, Bodies bodies) {
 }
 
 int work(int argc, char** argv, const Request& request) {
+  prepareMpiStart();
   const Tpetra::ScopeGuard guard(&argc, &argv);
   try {
     if (Tpetra::getDefaultComm()->getSize() > 1)

@@ -4,6 +4,7 @@
 /// rank; progress is printed by rank 0, failures by the rank that meets them. Tests run in a temporary
 /// directory, so that no file with a relative path stays behind.
 
+#include "Harmos_MpiStart.hpp"
 #include "Harmos_TestComm.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
@@ -53,6 +54,7 @@ class WorkingDirectory {
 } // namespace
 
 int main(int argc, char** argv) {
+  Harmos::prepareMpiStart();
   const Tpetra::ScopeGuard guard(&argc, &argv);
   testing::InitGoogleTest(&argc, argv);
   const auto comm = Harmos::testComm();

@@ -7,13 +7,12 @@
 
 #include "Harmos_BodyBlocks.hpp"
 #include "Harmos_FileCells.hpp"
+#include "Harmos_GmshLibrary.hpp"
 #include "Harmos_GmshModel.hpp"
 #include "Harmos_Index.hpp"
 #include "Harmos_ParameterSpec.hpp"
 #include "Harmos_PointAlgebra.hpp"
 #include "Harmos_ReferenceElement.hpp"
-
-#include <gmsh.h>
 
 #include <cmath>
 #include <limits>
@@ -127,8 +126,8 @@ class Reader {
 
   // By rising tags: nodes go by their places in this order from here on.
   void readNodes() {
-    std::vector<double> coordinates, unused;
-    gmsh::model::mesh::getNodes(tags_, coordinates, unused, -1, -1, false, false);
+    auto [tags, coordinates] = gmsh::mesh::getNodes();
+    tags_ = std::move(tags);
     if (std::is_sorted(tags_.begin(), tags_.end())) {
       coordinates_ = std::move(coordinates);
     } else {
@@ -469,16 +468,8 @@ class Reader {
 
   // Scalar values at nodes, as far as the file has them for all nodes of the body.
   void addFields(BodyMesh& body, const std::vector<int>& numbers) const {
-    std::vector<int> views;
-    gmsh::view::getTags(views);
-    for (int view : views) {
-      std::string kind, name;
-      std::vector<Tag> tags;
-      std::vector<std::vector<double>> data;
-      double time = 0.0;
-      int components = 0;
-      gmsh::view::getModelData(view, 0, kind, tags, data, time, components);
-      gmsh::option::getString("View[" + std::to_string(gmsh::view::getIndex(view)) + "].Name", name);
+    for (int view : gmsh::view::getTags()) {
+      const auto [kind, tags, data, components] = gmsh::view::getModelData(view);
       if (kind != "NodeData" || components != 1)
         continue;
       std::vector<double> values(at(body.mesh.numberOfNodes()), std::numeric_limits<double>::quiet_NaN());
@@ -486,7 +477,7 @@ class Reader {
         if (const int number = numbers[at(placeOf(tags[k]))]; number >= 0 && !data[k].empty())
           values[at(number)] = data[k].front();
       if (std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); }))
-        body.fields[name] = std::move(values);
+        body.fields[gmsh::view::getName(view)] = std::move(values);
     }
   }
 
@@ -510,23 +501,16 @@ bool canReadGmsh() {
 std::vector<BodyMesh> readGmsh(const std::string& path, const std::vector<GmshBody>& bodies, int dimension,
                                const GmshMeshing& meshing) {
   HARMOS_REQUIRE(dimension == 0 || dimension == 2 || dimension == 3, "bodies have two or three dimensions");
-  // Gmsh throws strings, and numbers where it knows no more.
   try {
     const GmshSession session(path);
-    try {
-      Reader reader(path, dimension, meshing);
-      std::vector<BodyMesh> result;
-      for (const GmshBody& body : bodies.empty() ? reader.eachGroup() : bodies)
-        for (BodyMesh& block : reader.body(body))
-          result.push_back(std::move(block));
-      return result;
-    } catch (int) {
-      std::string reason;
-      gmsh::logger::getLastError(reason);
-      throwGmshError(path, reason);
-    }
-  } catch (const std::string& reason) {
-    throwGmshError(path, reason);
+    Reader reader(path, dimension, meshing);
+    std::vector<BodyMesh> result;
+    for (const GmshBody& body : bodies.empty() ? reader.eachGroup() : bodies)
+      for (BodyMesh& block : reader.body(body))
+        result.push_back(std::move(block));
+    return result;
+  } catch (const gmsh::GmshFailure& failure) {
+    throwGmshError(path, failure.what());
   }
 }
 

@@ -2,8 +2,7 @@
 #include "Harmos_GmshModel.hpp"
 
 #include "Harmos_Errors.hpp"
-
-#include <gmsh.h>
+#include "Harmos_GmshLibrary.hpp"
 
 #include <numeric>
 #include <set>
@@ -23,19 +22,19 @@ class DiscreteModel {
     if (tags_.empty()) {
       tags_.resize(points_.size() / 3);
       std::iota(tags_.begin(), tags_.end(), Tag(1));
-      gmsh::model::mesh::addNodes(dimension, entity, tags_, points_);
+      gmsh::mesh::addNodes(dimension, entity, tags_, points_);
     }
     for (const auto& [type, nodes] : cells)
-      gmsh::model::mesh::addElementsByType(entity, type, {}, nodes);
+      gmsh::mesh::addElementsByType(entity, type, nodes);
     if (!group.empty())
-      gmsh::model::setPhysicalName(dimension, gmsh::model::addPhysicalGroup(dimension, {entity}), group);
+      gmsh::model::addPhysicalGroup(dimension, {entity}, group);
   }
 
   void addField(const std::string& field, const std::vector<double>& values) const {
     std::vector<std::vector<double>> rows;
     for (double value : values)
       rows.push_back({value});
-    gmsh::view::addModelData(gmsh::view::add(field), 0, name, "NodeData", tags_, rows);
+    gmsh::view::addNodeData(field, name, tags_, rows);
   }
 
  private:
@@ -208,9 +207,7 @@ struct NumberedElement {
 std::map<Tag, NumberedElement> elementsByNumber() {
   std::map<Tag, NumberedElement> result;
   for (int dimension = 1; dimension < 4; ++dimension) {
-    std::vector<int> types;
-    std::vector<std::vector<Tag>> tags, nodes;
-    gmsh::model::mesh::getElements(types, tags, nodes, dimension);
+    const auto [types, tags, nodes] = gmsh::mesh::getElements(dimension);
     for (std::size_t k = 0; k < types.size(); ++k) {
       const std::size_t each = tags[k].empty() ? 0 : nodes[k].size() / tags[k].size();
       for (std::size_t e = 0; e < tags[k].size(); ++e) {
@@ -226,17 +223,15 @@ std::map<Tag, NumberedElement> elementsByNumber() {
 void addGroup(int dimension, const std::string& name, const std::map<int, std::vector<Tag>>& cells) {
   const int entity = gmsh::model::addDiscreteEntity(dimension);
   for (const auto& [type, nodes] : cells)
-    gmsh::model::mesh::addElementsByType(entity, type, {}, nodes);
-  gmsh::model::setPhysicalName(dimension, gmsh::model::addPhysicalGroup(dimension, {entity}), name);
+    gmsh::mesh::addElementsByType(entity, type, nodes);
+  gmsh::model::addPhysicalGroup(dimension, {entity}, name);
 }
 
 } // namespace
 
 void addGroups(const std::string& path, const std::vector<UniversalGroup>& groups) {
   const std::map<Tag, NumberedElement> elements = elementsByNumber();
-  std::vector<Tag> nodes;
-  std::vector<double> unused, unusedToo;
-  gmsh::model::mesh::getNodes(nodes, unused, unusedToo);
+  const std::vector<Tag> nodes = gmsh::mesh::getNodes().tags;
   const std::set<Tag> known(nodes.begin(), nodes.end());
   const auto fail = [&](const UniversalGroup& group, const std::string& what, long long number) {
     throw InputError("\"" + path + "\": the group \"" + group.name + "\" names the " + what + " " +
@@ -268,7 +263,7 @@ void addGroups(const std::string& path, const std::vector<UniversalGroup>& group
   for (int dimension = 0; dimension < 4; ++dimension)
     for (const auto& [name, entities] : byProperty[static_cast<std::size_t>(dimension)])
       if (dimensions.count(dimension) == 0)
-        gmsh::model::setPhysicalName(dimension, gmsh::model::addPhysicalGroup(dimension, entities), name);
+        gmsh::model::addPhysicalGroup(dimension, entities, name);
   for (const auto& [place, ofTypes] : cells)
     addGroup(place.first, place.second, ofTypes);
 }

@@ -2,6 +2,7 @@
 #include "Harmos_GmshModel.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_GmshLibrary.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +10,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <fcntl.h>
-#include <gmsh.h>
 #include <numeric>
 #include <unistd.h>
 
@@ -82,17 +82,14 @@ EndGuard::~EndGuard() {
 }
 
 GmshSession::GmshSession(const std::string& path) : guard_(path) {
-  gmsh::initialize(0, nullptr, false);
-  gmsh::option::setNumber("General.Terminal", 0);
-  gmsh::option::setNumber("General.AbortOnError", 2); // throw
-  gmsh::option::setNumber("General.NumThreads", 1);   // the same mesh at every run
+  gmsh::initialize();
+  gmsh::setNumber("General.Terminal", 0);
+  gmsh::setNumber("General.AbortOnError", 2); // throw
+  gmsh::setNumber("General.NumThreads", 1);   // the same mesh at every run
 }
 
 GmshSession::~GmshSession() {
-  try {
-    gmsh::finalize();
-  } catch (...) { // nothing is left to be done about it
-  }
+  gmsh::finalize();
 }
 
 const char* entityName(int dimension) {
@@ -102,19 +99,16 @@ const char* entityName(int dimension) {
 
 Groups groupsOfModel() {
   Groups groups;
-  gmsh::vectorpair all;
-  gmsh::model::getPhysicalGroups(all);
+  gmsh::Pairs all = gmsh::model::getPhysicalGroups();
   for (const auto& [dimension, tag] : all) {
-    std::string name;
-    gmsh::model::getPhysicalName(dimension, tag, name);
-    std::vector<int> entities;
-    gmsh::model::getEntitiesForPhysicalGroup(dimension, tag, entities);
+    const std::string name = gmsh::model::getPhysicalName(dimension, tag);
+    const std::vector<int> entities = gmsh::model::getEntitiesForPhysicalGroup(dimension, tag);
     std::vector<int>& group =
         groups[static_cast<std::size_t>(dimension)][name.empty() ? std::to_string(tag) : name];
     group.insert(group.end(), entities.begin(), entities.end());
   }
   if (all.empty()) {
-    gmsh::model::getEntities(all);
+    all = gmsh::model::getEntities();
     for (const auto& [dimension, tag] : all)
       groups[static_cast<std::size_t>(dimension)][entityName(dimension) + (" " + std::to_string(tag))] = {
           tag};
@@ -146,22 +140,21 @@ std::vector<std::size_t> matched(const std::vector<Point>& places, const std::ve
 
 ElementType makeElementType(int type) {
   ElementType result;
-  int order = 0, nodes = 0, corners = 0;
-  std::vector<double> coordinates;
-  gmsh::model::mesh::getElementProperties(type, result.name, result.dimension, order, nodes, coordinates,
-                                          corners);
-  result.nodes = static_cast<std::size_t>(nodes);
-  result.corners = static_cast<std::size_t>(corners);
+  const gmsh::mesh::ElementProperties properties = gmsh::mesh::getElementProperties(type);
+  result.name = properties.name;
+  result.dimension = properties.dimension;
+  result.nodes = static_cast<std::size_t>(properties.nodes);
+  result.corners = static_cast<std::size_t>(properties.corners);
   const auto dimension = static_cast<std::size_t>(result.dimension);
   if (result.dimension < 2)
     return result; // sides of plane cells and points: only their corners are used
   std::vector<Point> places(result.nodes);
   for (std::size_t i = 0; i < result.nodes; ++i)
     for (std::size_t d = 0; d < dimension; ++d)
-      places[i][d] = coordinates[i * dimension + d];
+      places[i][d] = properties.coordinates[i * dimension + d];
   for (CellType candidate : bodyCells) {
     const CellShape& shape = shapeOf(candidate);
-    if (shape.dimension != result.dimension || shape.corners != corners)
+    if (shape.dimension != result.dimension || shape.corners != properties.corners)
       continue;
     result.order = matched(shape.nodeCoordinates, places);
     if (!result.order.empty()) {
@@ -173,9 +166,8 @@ ElementType makeElementType(int type) {
 }
 
 Elements elementsOf(int dimension, int entity) {
-  Elements elements;
-  gmsh::model::mesh::getElements(elements.types, elements.tags, elements.nodes, dimension, entity);
-  return elements;
+  auto [types, tags, nodes] = gmsh::mesh::getElements(dimension, entity);
+  return {std::move(types), std::move(tags), std::move(nodes)};
 }
 
 } // namespace Harmos::fem::Details

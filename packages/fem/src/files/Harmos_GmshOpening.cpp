@@ -2,10 +2,10 @@
 #include "Harmos_GmshModel.hpp"
 
 #include "Harmos_Errors.hpp"
+#include "Harmos_GmshLibrary.hpp"
 
 #include <exception>
 #include <filesystem>
-#include <gmsh.h>
 #include <new>
 
 namespace Harmos::fem::Details {
@@ -22,11 +22,7 @@ std::string remedyFor(const std::string& reason) {
 
 // Whether there are cells or shapes of a dimension.
 bool has(int dimension) {
-  std::vector<int> types;
-  gmsh::model::mesh::getElementTypes(types, dimension);
-  gmsh::vectorpair entities;
-  gmsh::model::getEntities(entities, dimension);
-  return !types.empty() || !entities.empty();
+  return !gmsh::mesh::getElementTypes(dimension).empty() || !gmsh::model::getEntities(dimension).empty();
 }
 
 void openByGmsh(const std::string& path) {
@@ -42,24 +38,22 @@ void openByGmsh(const std::string& path) {
 
 void prescribe(const GmshMeshing& meshing) {
   if (meshing.size > 0.0)
-    gmsh::option::setNumber("Mesh.MeshSizeMax", meshing.size);
+    gmsh::setNumber("Mesh.MeshSizeMax", meshing.size);
   if (meshing.perCircle > 0)
-    gmsh::option::setNumber("Mesh.MeshSizeFromCurvature", meshing.perCircle);
+    gmsh::setNumber("Mesh.MeshSizeFromCurvature", meshing.perCircle);
   if (meshing.order > 0)
-    gmsh::option::setNumber("Mesh.ElementOrder", meshing.order);
+    gmsh::setNumber("Mesh.ElementOrder", meshing.order);
   if (meshing.sizes == nullptr)
     return;
   for (const char* source : {"Mesh.MeshSizeFromPoints", "Mesh.MeshSizeExtendFromBoundary"})
-    gmsh::option::setNumber(source, 0.0);
+    gmsh::setNumber(source, 0.0);
   // Gmsh shakes points by 1e-9 of the body, so that no four lie on a circle: where cells are 1e-5 of it,
   // three points of a straight edge then make a triangle without area.
   constexpr double shake = 1e-12;
-  gmsh::option::setNumber("Mesh.RandomFactor", shake);
-  // Of places that Gmsh asks for; newer releases add what they would take by themselves.
-  gmsh::model::mesh::setSizeCallback(
-      [sizes = meshing.sizes](int, int, double x, double y, double z, auto...) {
-        return (*sizes)({x, y, z});
-      });
+  gmsh::setNumber("Mesh.RandomFactor", shake);
+  gmsh::mesh::setSizeCallback([sizes = meshing.sizes](double x, double y, double z) {
+    return (*sizes)({x, y, z});
+  });
 }
 
 } // namespace
@@ -85,18 +79,16 @@ int openModel(const std::string& path, int dimension, const GmshMeshing& meshing
       openByGmsh(path);
     if (dimension == 0)
       dimension = has(3) ? 3 : 2;
-    gmsh::model::mesh::getElementTypes(types, dimension);
+    types = gmsh::mesh::getElementTypes(dimension);
     if (!types.empty() && meshing.isGiven())
       throw InputError(
           "\"" + path +
           "\" is already meshed, so size and order have no effect; set them in the mesh generator");
     if (types.empty()) {
       prescribe(meshing);
-      gmsh::vectorpair entities;
-      gmsh::model::getEntities(entities, dimension);
-      if (!entities.empty())
-        gmsh::model::mesh::generate(dimension);
-      gmsh::model::mesh::getElementTypes(types, dimension);
+      if (!gmsh::model::getEntities(dimension).empty())
+        gmsh::mesh::generate(dimension);
+      types = gmsh::mesh::getElementTypes(dimension);
     }
   } catch (const std::bad_alloc&) {
     throw;
