@@ -51,11 +51,13 @@ function(harmos_add_test)
   endforeach()
 endfunction()
 
-# harmos_add_script_test(NAME <name> SCRIPT <file.py> [ARGUMENTS <a>...] [LABELS <l>...] [TIMEOUT <s>])
+# harmos_add_script_test(NAME <name> SCRIPT <file.py> [ARGUMENTS <a>...] [LABELS <l>...] [TIMEOUT <s>]
+#                        [PROCESSORS <n>])
 #
-# A Python test of whole programs. Exit status 77 is shown as SKIPPED: a dependency is missing. Though most of its runs
-# take two ranks, a script takes one processor by default: while it reads, compiles or draws, another's ranks work.
-# Scripts that kill runs or compare times take two.
+# A Python test of whole programs. Exit status 77 is shown as SKIPPED: a dependency is missing. Runs that name no number of
+# ranks take two, or one where HARMOS_SCRIPT_RANKS is 1 and the script is not long. A script takes one processor by
+# default, though: while it reads, compiles or draws, another's ranks work. Scripts that kill runs or compare times take
+# two.
 function(harmos_add_script_test)
   cmake_parse_arguments(ARG "" "NAME;SCRIPT;TIMEOUT;PROCESSORS" "ARGUMENTS;LABELS" ${ARGN})
   if(NOT ARG_TIMEOUT)
@@ -64,12 +66,16 @@ function(harmos_add_script_test)
   if(NOT ARG_PROCESSORS)
     set(ARG_PROCESSORS 1)
   endif()
+  set(ranks 2)
+  if(DEFINED HARMOS_SCRIPT_RANKS AND NOT "long" IN_LIST ARG_LABELS)
+    set(ranks ${HARMOS_SCRIPT_RANKS})
+  endif()
   add_test(NAME ${ARG_NAME} COMMAND ${HARMOS_PYTHON} ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_SCRIPT}
                                     ${ARG_ARGUMENTS})
   set_tests_properties(
     ${ARG_NAME}
     PROPERTIES ENVIRONMENT
-               "${HARMOS_TEST_ENVIRONMENT};HARMOS_SOURCE_DIR=${PROJECT_SOURCE_DIR};HARMOS_BINARY_DIR=${PROJECT_BINARY_DIR};HARMOS_MPIEXEC=${MPIEXEC_EXECUTABLE};PYTHONDONTWRITEBYTECODE=1"
+               "${HARMOS_TEST_ENVIRONMENT};HARMOS_SOURCE_DIR=${PROJECT_SOURCE_DIR};HARMOS_BINARY_DIR=${PROJECT_BINARY_DIR};HARMOS_MPIEXEC=${MPIEXEC_EXECUTABLE};HARMOS_DEFAULT_RANKS=${ranks};PYTHONDONTWRITEBYTECODE=1"
                LABELS "${ARG_LABELS}"
                SKIP_RETURN_CODE 77
                PROCESSORS ${ARG_PROCESSORS}

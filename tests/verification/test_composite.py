@@ -37,7 +37,7 @@ MATERIALS = ((1.0, 0.3), (10.0, 0.3))  # of matrix and fibre in the default deck
 STRAIN = 0.01
 
 
-def solved(case, sets=None, np=2, **more):
+def solved(case, sets=None, np=runs.RANKS, **more):
     return runs.solved(case, runs.COMPOSITE, sets, np, program="fiber_composite", **more)
 
 

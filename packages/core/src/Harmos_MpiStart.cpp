@@ -44,8 +44,12 @@ void prepareMpiStart() {
   const bool alone = !isLaunched();
   if (!alone && !isOnOneMachine())
     return;
-  if (alone)
+  if (alone) {
     propose("OMPI_MCA_ess_singleton_isolated", "1");
+    // Else all programs without a daemon share one directory, and the first that ends removes it for those
+    // that begin.
+    propose("OMPI_MCA_orte_create_session_dirs", "0");
+  }
   if (isSet("OMPI_MCA_pml") || isSet("OMPI_MCA_mtl") || isSet("OMPI_MCA_btl"))
     return;
   propose("OMPI_MCA_pml", "ob1");

@@ -64,7 +64,7 @@ def rounds_of(run):
 
 class Corner(unittest.TestCase):
     def rounds(self, mesh, adaptivity):
-        run = runs.solved(self, deck(scene(mesh, "plane strain", PULL, adaptivity)), np=2, program="harmos")
+        run = runs.solved(self, deck(scene(mesh, "plane strain", PULL, adaptivity)), np=runs.RANKS, program="harmos")
         return run, rounds_of(run)
 
     def exact(self):
@@ -110,7 +110,7 @@ class Contact(unittest.TestCase):
         made, tree = cylinder(0.3, 1)
         tree["Model"]["Mesh file"] = geometry(made)
         tree["Adaptivity"] = {"Rounds": 12, "Target error": 0.06}
-        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        run = runs.solved(self, deck(tree), np=runs.RANKS, program="harmos")
         rows = rounds_of(run)
         found = [(int(row["cells"]), int(row["dofs"]), f"{row['estimated_error']:.3f}", f"{row['seconds']:.2f}") for row in rows]
         runs.table("Cylinder on a plane", ("cells", "dofs", "estimated", "seconds"), found)
@@ -129,7 +129,7 @@ class Space(unittest.TestCase):
         made, tree = ball(0.4, 2)
         tree["Model"]["Mesh file"] = geometry(made)
         tree["Adaptivity"] = {"Rounds": 12, "Target error": 0.025}
-        rows = rounds_of(runs.solved(self, deck(tree), np=2, program="harmos"))
+        rows = rounds_of(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
         runs.table("Ball on a plane", ("cells", "dofs", "estimated", "seconds"),
                    [(int(row["cells"]), int(row["dofs"]), f"{row['estimated_error']:.4f}", f"{row['seconds']:.2f}")
                     for row in rows])
@@ -163,7 +163,7 @@ class Steps(unittest.TestCase):
                              "History": "push"}}},
             "Adaptivity": {"Rounds": 6, "Target error": 0.03},
         }
-        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        run = runs.solved(self, deck(tree), np=runs.RANKS, program="harmos")
         rows = rounds_of(run)
         runs.table("Friction in steps", ("cells", "estimated", "energy"),
                    [(int(row["cells"]), f"{row['estimated_error']:.4f}", f"{row['energy']:.7g}") for row in rows])
@@ -183,7 +183,7 @@ class Steps(unittest.TestCase):
             "Prescribed displacement": {"foot": {"Part": "body/bottom"}},
             "Traction": {"shear": {"Part": "body/top", "Density": [1e-3, 0.0, 0.0]}}}, {"Rounds": 6, "Target error": 0.06})
         tree["Bodies"] = {"body": block}
-        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        run = runs.solved(self, deck(tree), np=runs.RANKS, program="harmos")
         rows = rounds_of(run)
         self.assertLess(rows[-1]["estimated_error"], 0.06)
         force = run.summary["forces"]["Prescribed displacement/foot"]["force"]

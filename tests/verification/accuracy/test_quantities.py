@@ -65,7 +65,7 @@ def rounds_of(run):
 
 
 class Quantities(unittest.TestCase):
-    def rounds(self, made, adaptivity, np=2):
+    def rounds(self, made, adaptivity, np=runs.RANKS):
         run = runs.solved(self, scene(made, adaptivity), np=np, program="harmos")
         return run, rounds_of(run)
 
@@ -149,7 +149,7 @@ class Quantities(unittest.TestCase):
 
 class Limits(unittest.TestCase):
     def limited(self, mesh, adaptivity, *words):
-        run = runs.run(scene((mesh, ring()[1]), {"Target error": 1e-4, **adaptivity}), np=2, program="harmos")
+        run = runs.run(scene((mesh, ring()[1]), {"Target error": 1e-4, **adaptivity}), np=runs.RANKS, program="harmos")
         self.assertEqual(run.returncode, 0, run)
         for word in words:
             self.assertIn(word, run.stderr)

@@ -69,7 +69,7 @@ class Peel(unittest.TestCase):
         """Of a strip that is bent as an elastica EIκ²/2 and the force P across its section add up to the same along it
         (Rivlin: Paint Technol. 9, 1944, in its steady state): P sin φ + P²/2Eh = G, φ the slope of its end, wherever
         the front is, once a point has broken. 1 %: the strip bends at its front within ten thicknesses."""
-        run = runs.solved(self, peeled(30, 1.5), np=2, program="harmos")
+        run = runs.solved(self, peeled(30, 1.5), np=runs.RANKS, program="harmos")
         rows = steps_of(run.directory)
         checked = 0
         for row in rows:
@@ -149,7 +149,7 @@ class Turned(unittest.TestCase):
                 }},
                 "Prescribed displacement": held,
             },
-        }), np=2, program="harmos").directory)
+        }), np=runs.RANKS, program="harmos").directory)
 
     def test_torn_apart_as_if_not_turned(self):
         """By 155° about an axis askew: forces in the turned frame, energies, what is dissipated and how much breaks are the
@@ -196,7 +196,7 @@ class Kept(unittest.TestCase):
                     "lift": {"Part": "upper/left", "Components": ["y"], "Displacement": [0.0, 1.2, 0.0]},
                 },
             },
-        }), np=2, program="harmos")
+        }), np=runs.RANKS, program="harmos")
         broken = [row["broken"] for row in steps_of(run.directory)]
         self.assertEqual(broken, sorted(broken))
         self.assertGreater(broken[-1], 2)

@@ -129,7 +129,7 @@ class Half(unittest.TestCase):
                 "Pretension": {"bolt": {"First": "lower/top", "Second": "upper/bottom", "Shift": 0.05}},
                 "Prescribed displacement": held,
             },
-        }), np=2, program="harmos").directory)[-1]
+        }), np=runs.RANKS, program="harmos").directory)[-1]
 
     def test_half_is_half(self):
         half, whole = self.rows("plane strain", 0.0, 1.0), self.rows("plane strain", -1.0, 2.0)

@@ -62,7 +62,7 @@ class Hertz(unittest.TestCase):
                     **{f"{name}0": {"Part": f"ball/{name}0", "Components": [name]} for name in planes},
                 },
             },
-        }), np=2, program="harmos").directory
+        }), np=runs.RANKS, program="harmos").directory
 
     def test_a_ball_pressed_by_a_third_of_its_radius(self):
         """In space and around its axis: forces and the greatest pressure agree as their meshes do. Hertz' formula is a
@@ -124,7 +124,7 @@ class Rings(unittest.TestCase):
                     "push": {"Part": "ring/cut", "Components": ["y"], "Displacement": [0.0, 2.6, 0.0]},
                 },
             },
-        }), np=2, program="harmos").directory)
+        }), np=runs.RANKS, program="harmos").directory)
         along, across, energy = (
             np.array([0.0] + [row[key] for row in rows]) for key in ("Contact/joint/fy", "Contact/joint/fx", "energy")
         )

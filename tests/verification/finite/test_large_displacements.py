@@ -227,7 +227,7 @@ class Spinning(unittest.TestCase):
                     "low": {"Part": "bar/bottom", "Components": ["y"]}, "high": {"Part": "bar/top", "Components": ["y"]},
                 },
             },
-        }), np=2, program="harmos")
+        }), np=runs.RANKS, program="harmos")
         points, u, _ = field(run.directory, "displacement")
         self.assertGreater(wanted, 0.15 * length)
         # Of twenty cells of second order at ends of cells, h⁴, and of the rule.
@@ -298,7 +298,7 @@ class Ironing(unittest.TestCase):
 
     def test_no_jumps_from_cell_to_cell(self):
         """Without friction the pressing force changes by at most 2 % from step to step, of a quarter of a cell."""
-        rows = steps_of(runs.solved(self, ironing(2, 0.0, 16, 0.5), np=2, program="harmos").directory)[6:]
+        rows = steps_of(runs.solved(self, ironing(2, 0.0, 16, 0.5), np=runs.RANKS, program="harmos").directory)[6:]
         forces = [row["Contact/joint/fy"] for row in rows]
         jumps = [abs(b - a) / a for a, b in zip(forces[:-1], forces[1:])]
         self.assertLess(max(jumps), 0.02, forces)
@@ -343,7 +343,7 @@ class Failure(unittest.TestCase):
                 "press": {"Part": "block/top", "Components": ["x", "y"], "Displacement": [0.0, -1.2, 0.0]},
             }},
         })
-        run = runs.run(path, np=2, program="harmos")
+        run = runs.run(path, np=runs.RANKS, program="harmos")
         self.assertNotEqual(run.returncode, 0)
         self.assertRegex(run.stderr, r"step \d of 3, from time .*(Newton's iterations do not converge|inside out|not stable)")
         rows = steps_of(run.directory)
@@ -398,7 +398,7 @@ class Failure(unittest.TestCase):
             self.assertRegex(run.stderr, r"not stable: bodies that are moved a little buckle, most of all at \(0\.[05]0*, 8\.0*, 0\.0*\)")
             reached = steps_of(run.directory)[-1]["time"] * 1.5
             self.assertTrue(0.97 < reached < 1.03, reached)
-        bent = runs.solved(self, deck(self.column(1.5, 0.01)), np=2, program="harmos")
+        bent = runs.solved(self, deck(self.column(1.5, 0.01)), np=runs.RANKS, program="harmos")
         _, u, _ = field(bent.directory, "displacement")
         self.assertGreater(np.abs(u[:, 0]).max(), 4.0)
 
@@ -417,7 +417,7 @@ class Failure(unittest.TestCase):
                     "Prescribed displacement": {"ground": {"Part": "one/bottom"}},
                     "Force": {"pull": {"Part": "two/top", "Force": [0.01, 0.0, 0.0]}},
                 },
-            }), np=2, program="harmos")
+            }), np=runs.RANKS, program="harmos")
             self.assertEqual(run.returncode == 0, good, run.stderr)
             if not good:
                 self.assertIn('tie "bond" takes distances of up to 2.00e-02 to be zero', run.stderr)
@@ -447,7 +447,7 @@ class Failure(unittest.TestCase):
     def test_contacts_farther_than_their_reach(self):
         """A step that takes a block past what the search reaches is halved; the force is that of load less spring."""
         for steps in (1, 3):
-            run = runs.solved(self, deck(self.approach(0.0, 0.02, steps)), np=2, program="harmos")
+            run = runs.solved(self, deck(self.approach(0.0, 0.02, steps)), np=runs.RANKS, program="harmos")
             force = steps_of(run.directory)[-1]["Contact/joint/fy"]
             # The spring is shorter by 0.5 and what the blocks give way, 0.01 / 1e3 · 2.
             self.assertAlmostEqual(force, 0.02 - 0.02 * 0.5, delta=1e-6)
@@ -456,11 +456,11 @@ class Failure(unittest.TestCase):
         """A soft contact that sinks in by more is no answer: the reason names place and remedy. With a longer reach
         penetration is what load less spring presses, (P − k_s (0.5 + d)) / k = d."""
         tree = self.approach(0.02, 0.03, 4)
-        run = runs.run(deck(tree), np=2, program="harmos")
+        run = runs.run(deck(tree), np=runs.RANKS, program="harmos")
         self.assertNotEqual(run.returncode, 0)
         self.assertRegex(run.stderr, r'contact "joint": .* overlap at \(.*\) by more than 1.00e-01.*longer "Reach"')
         tree["Effects"]["Contact"]["joint"]["Reach"] = 1.0
-        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        run = runs.solved(self, deck(tree), np=runs.RANKS, program="harmos")
         self.assertAlmostEqual(steps_of(run.directory)[-1]["Contact/joint/fy"], 0.02 * 0.5, delta=1e-5)
 
 

@@ -72,7 +72,7 @@ class Stamp(unittest.TestCase):
         converter = runs.application("harmos-inp")
         status, out, errors = runs.execute([converter, directory / "stamp.inp", "--output", directory / "deck"])
         self.assertEqual(status, 0, out + errors)
-        run = runs.solved(self, directory / "deck/stamp.xml", {"Output/Every": 1}, np=2, program="harmos")
+        run = runs.solved(self, directory / "deck/stamp.xml", {"Output/Every": 1}, np=runs.RANKS, program="harmos")
         plate, stamp = bodies(2 if "20" in element else 1)
         places = plate[0] | stamp[0]
         above = np.array([place[1] >= 1.0 and number > 100000 for number, place in sorted(places.items())])

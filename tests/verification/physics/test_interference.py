@@ -125,7 +125,7 @@ class Interference(unittest.TestCase):
         directory.mkdir(parents=True, exist_ok=True)
         (directory / "deck.xml").write_text(DECK, encoding="utf-8")
         sets = HISTORY | {f"{other}/First": "lower/top", f"{other}/Second": "upper/bottom"}
-        run = runs.run(directory / "deck.xml", sets, np=2, output=directory / "out", program="harmos")
+        run = runs.run(directory / "deck.xml", sets, np=runs.RANKS, output=directory / "out", program="harmos")
         self.assertEqual(run.returncode, 2, f"{run}")
         self.assertIn('contact "joint" has an interference where contact "other" has the same point', run.stderr)
 

@@ -406,7 +406,7 @@ class Refused(Case):
         plane("1", 1).write(self.directory / "mesh.msh", PARTS)
         text = deck("mesh.msh", "plane stress", TENSION, body("body", 9), Plane.supports)
         (self.directory / "deck.xml").write_text(text, encoding="utf-8")
-        run = runs.run(self.directory / "deck.xml", np=2, output=self.directory / "out", program="harmos")
+        run = runs.run(self.directory / "deck.xml", np=runs.RANKS, output=self.directory / "out", program="harmos")
         self.assertEqual(run.returncode, 2, f"{run}")
         self.assertIn('body "body" cannot be partitioned into 9 parts: it has 3 cells', run.stderr)
 

@@ -96,7 +96,7 @@ class Stamp(unittest.TestCase):
         converter = runs.application("harmos-inp")
         status, out, errors = runs.execute([converter, directory / "stamp.inp", "--output", directory / "deck"])
         self.assertEqual(status, 0, out + errors)
-        run = runs.solved(self, directory / "deck/stamp.xml", {"Steps/Number": INCREMENTS}, np=2, program="harmos")
+        run = runs.solved(self, directory / "deck/stamp.xml", {"Steps/Number": INCREMENTS}, np=runs.RANKS, program="harmos")
         ours = [abs(row["Contact/contact/fy"]) for row in steps_of(run.directory)]
         self.assertEqual((len(ours), len(theirs)), (INCREMENTS, INCREMENTS))
         return theirs, ours

@@ -90,7 +90,7 @@ class Hill(unittest.TestCase):
         """Displacement of the outer surface, and up to where it yields."""
         errors, cells = [], (4, 6, 8, 16)
         for n in cells:
-            run = runs.solved(self, deck(self.tree(ring(n), pressure, physics)), np=2, program="harmos")
+            run = runs.solved(self, deck(self.tree(ring(n), pressure, physics)), np=runs.RANKS, program="harmos")
             radius, moved = self.radial(run.directory)
             errors.append(np.abs(moved[np.abs(radius - OUTER) < 1e-9] / outside - 1.0).max())
             _, plastic, _ = field(run.directory, "equivalent_plastic_strain")
@@ -106,7 +106,7 @@ class Hill(unittest.TestCase):
         pressure = k * (1.0 - (FRONT / OUTER) ** 2 + 2.0 * math.log(FRONT / INNER))
         outside = 2.0 * (1.0 - POISSON**2) * k * FRONT**2 / (YOUNG * OUTER)
         self.compare(pressure, outside, "plane strain", FRONT)
-        run = runs.solved(self, deck(self.tree(ring(16, 2), pressure)), np=2, program="harmos")
+        run = runs.solved(self, deck(self.tree(ring(16, 2), pressure)), np=runs.RANKS, program="harmos")
         radius, moved = self.radial(run.directory)
         self.assertLess(np.abs(moved[np.abs(radius - OUTER) < 1e-9] / outside - 1.0).max(), 5e-4)
 
@@ -118,7 +118,7 @@ class Hill(unittest.TestCase):
 
     def test_newton_is_quadratic(self):
         """Of consistent tangents made anew in each iteration: m₊ ~ m², from a hundredth to a hundred millionth."""
-        found = changes(runs.solved(self, deck(self.tree(ring(8), 0.25, tolerance=1e-10, times=(1.0,))), np=2, program="harmos"))
+        found = changes(runs.solved(self, deck(self.tree(ring(8), 0.25, tolerance=1e-10, times=(1.0,))), np=runs.RANKS, program="harmos"))
         orders = [
             math.log(b / c) / math.log(a / b) for a, b, c in zip(found, found[1:], found[2:]) if a < 0.1 and c > 1e-12
         ]
@@ -135,7 +135,7 @@ class Hill(unittest.TestCase):
             times = [2.0 * (i + 1) / steps for i in range(steps)]
             values = [min(t, 2.0 - t) for t in times]
             run = runs.solved(
-                self, deck(self.tree(ring(10, 2), pressure, times=times, values=values)), np=2, program="harmos"
+                self, deck(self.tree(ring(10, 2), pressure, times=times, values=values)), np=runs.RANKS, program="harmos"
             )
             rows = steps_of(run.directory)
             self.assertEqual(rows[-1]["dissipated"], rows[steps // 2]["dissipated"])
@@ -201,7 +201,7 @@ class Bars(unittest.TestCase):
                 },
                 "Solver": {"Tolerance": 1e-9},
                 "Effects": {"Prescribed displacement": held},
-            }), np=2, program="harmos").directory)
+            }), np=runs.RANKS, program="harmos").directory)
             centre = plastic = work = 0.0
             radius, at = YIELD, 0
             for row in rows:
@@ -230,7 +230,7 @@ class Stamp(unittest.TestCase):
 
     def test_factors_are_made_anew_where_it_yields(self):
         deck_of_guide = runs.SOURCE / "apps/harmos/decks/stamp.xml"
-        rows = steps_of(runs.solved(self, deck_of_guide, np=2, program="harmos").directory)
+        rows = steps_of(runs.solved(self, deck_of_guide, np=runs.RANKS, program="harmos").directory)
         for row in rows:
             self.assertLessEqual(row["factorisations"], 16 * (row["newton"] + 1))
             self.assertLessEqual(row["newton"], 9)
@@ -281,7 +281,7 @@ class Hertz(unittest.TestCase):
                     "Part": "ball/top", "Components": ["y"], "Displacement": [0.0, -1.0, 0.0], "History": "down",
                 }},
             },
-        }), np=2, program="harmos")
+        }), np=runs.RANKS, program="harmos")
         rows = steps_of(run.directory)
         pressures = [
             (6.0 * row["Obstacle/plane/fy"] * plane**2 / math.pi**3) ** (1.0 / 3.0) / yield_stress for row in rows
@@ -319,7 +319,7 @@ class Punch(unittest.TestCase):
 
     def limit(self, cells, element, dilatation):
         tree = self.scene(cells, element, dilatation, {"Number": 6, "Smallest step": 0.05})
-        rows = steps_of(runs.solved(self, deck(tree), np=2, program="harmos").directory)
+        rows = steps_of(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos").directory)
         return -rows[-1]["Prescribed displacement/punch/fy"] / (YIELD / math.sqrt(3.0))
 
     def test_limit_load(self):
@@ -332,7 +332,7 @@ class Punch(unittest.TestCase):
 
     def test_one_step(self):
         """Nearly to the limit load at once: steps of Newton's that lead beyond where the potential is least are shortened."""
-        run = runs.solved(self, deck(self.scene(8, "Q1", "projected", {"Number": 1})), np=2, program="harmos")
+        run = runs.solved(self, deck(self.scene(8, "Q1", "projected", {"Number": 1})), np=runs.RANKS, program="harmos")
         self.assertLessEqual(len(steps_of(run.directory)), 1)
         self.assertLess(len(changes(run)), 25)  # 18 seen
 
@@ -341,7 +341,7 @@ class Indentation(unittest.TestCase):
     """deal.II's step-42: forces of another program on the same cells."""
 
     def force(self, tree, effects):
-        row = steps_of(runs.solved(self, deck(tree), np=2, program="harmos").directory)[-1]
+        row = steps_of(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos").directory)[-1]
         return -sum(value for name, value in row.items() if name.startswith(effects) and name.endswith("/fz"))
 
     def test_forces(self):
@@ -357,7 +357,7 @@ class Indentation(unittest.TestCase):
         a Newton iteration than 1.5 times those of the elastic problem: 167 in 8 for 16; without 199 in 8."""
         def applications(hardening, sets):
             run = runs.solved(
-                self, deck(step42.scene(16, 4, hardening, "projected")), sets, np=2, program="harmos"
+                self, deck(step42.scene(16, 4, hardening, "projected")), sets, np=runs.RANKS, program="harmos"
             )
             return run.summary["hessian_applications"] / max(1, len(changes(run)))
 

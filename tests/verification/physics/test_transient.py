@@ -117,7 +117,7 @@ class Bar(unittest.TestCase):
             held = {"end": {"Part": "bar/left", "Displacement": [SPEED, 0.0, 0.0], "History": "moved"}}
             times = steps(1.5, 48, radius, Histories={"moved": {"Times": [0.0, 1.5], "Values": [0.0, 1.5]}})
             tree = scene({"bar": bar(32)}, {"Prescribed displacement": held}, times)
-            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
             force = table["Prescribed displacement/end/fx"] / (SPEED * HEIGHT)
             self.assertLess(np.abs(force[8:] - 1.0).max(), 0.05, radius)
             # What the end gets at once, half a cell's mass, is work by the mean of no force and all.
@@ -130,7 +130,7 @@ class Bar(unittest.TestCase):
         bodies = {"struck": bar(cells, -1.0), "bar": bar(cells)}
         contact = {"joint": {"First": "struck/right", "Second": "bar/left"}}
         tree = scene(bodies, {"Contact": contact, "Initial velocity": moving("bar", -SPEED)}, steps(3.0, 3 * cells, 0.8))
-        run = runs.solved(self, deck(tree), np=2, program="harmos")
+        run = runs.solved(self, deck(tree), np=runs.RANKS, program="harmos")
         table = columns(run)
         force = np.abs(table["Contact/joint/fx"]) / (0.5 * SPEED * HEIGHT)
         self.assertLess(abs(table["time"][force > 0.01].max() - 2.0), 1.5 / cells)
@@ -186,7 +186,7 @@ class Rates(unittest.TestCase):
         exact = np.append(0.0, shapes @ (shapes.T @ load * pulse / squares))
         histories = {"rise": {"Times": [0.0, self.END], "Values": [0.0, self.END]}}
         times = steps(self.END, number, radius, Histories=histories, **more)
-        run = runs.solved(self, deck(scene({"bar": bar(self.FEW)}, self.PULL, times, 1e-11)), np=2, program="harmos")
+        run = runs.solved(self, deck(scene({"bar": bar(self.FEW)}, self.PULL, times, 1e-11)), np=runs.RANKS, program="harmos")
         x, moved, _ = field(run.directory, "displacement")
         along = np.interp(x[:, 0], np.linspace(0.0, 1.0, self.FEW + 1), exact)
         return run, np.abs(moved[:, 0] - along).max() / along.max()
@@ -234,7 +234,7 @@ class Rates(unittest.TestCase):
         for number in numbers:
             tree = scene({"bar": bar(self.CELLS)}, {"Obstacle": WALL, "Initial velocity": moving("bar", -SPEED)},
                          steps(end, number, 1.0))
-            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
             errors.append(abs(table["momentum/x"][-1] / (momentum * HEIGHT) - 1.0))
             last = table["time"][table["Obstacle/wall/fx"] > 0.0].max()
             self.assertLess(abs(last - ends), 1.01 * end / number)
@@ -270,7 +270,7 @@ class Impact(unittest.TestCase):
                 "Initial velocity": {"fall": {"Body": "ball", "Velocity": [0.0, -speed, 0.0]}},
             },
         }
-        table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+        table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
         force = table["Obstacle/floor/fy"]
         ended, peak = table["time"][force > 1e-6 * largest].max() / lasts, force.max() / largest
         rebound = table["momentum/y"][-1] / (ball * speed)
@@ -296,7 +296,7 @@ class Bouncing(unittest.TestCase):
                 "Body force": {"gravity": {"Body": "block", "Density": [0.0, -gravity, 0.0]}},
             },
         }
-        table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+        table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
         closed = table["closed"] > 0
         hits = np.flatnonzero(closed[1:] & ~closed[:-1]) + 1
         self.assertGreaterEqual(len(hits), 20)
@@ -325,7 +325,7 @@ class Laws(unittest.TestCase):
             "Body force": {"gravity": {"Body": "block", "Density": [0.0, -gravity, 0.0]}},
             "Initial velocity": moving("block", speed),
         }, steps(10.0, 1000, 0.8))
-        table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+        table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
         along, down = table["impulse/Obstacle/floor/x"], table["impulse/Obstacle/floor/y"]
         slips = table["time"] < 5.0
         self.assertLess(np.abs(along + friction * down)[slips].max(), 1e-6 * mass * speed)
@@ -350,7 +350,7 @@ class Laws(unittest.TestCase):
                 "Contact": {"joint": {"First": "still/right", "Second": "bar/left"}}, "Adhesion": {"glue": glue},
                 "Initial velocity": moving("bar", speed),
             }, steps(3.0, number, 0.8))
-            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
             self.assertEqual(table["broken"][-1], 3)
             self.assertLess(abs(table["dissipated"][-1] / (tough * HEIGHT) - 1.0), 1e-6)
             self.assertLess(np.abs(table["momentum/x"] / (MASS * speed) - 1.0).max(), 1e-6)
@@ -383,7 +383,7 @@ class CoarseVectors(unittest.TestCase):
             }
             if clamped:
                 tree["Effects"]["Prescribed displacement"] = {"side": {"Part": "block/left", "Displacement": [0.0, 0.0, 0.0]}}
-            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
             found.append((parts**2, "clamped" if clamped else "floats", f"{length:g}", int(table["products"].max())))
         runs.table("Applications of F by the length of steps", ("parts", "block", "periods", "most of a step"), found)
         self.assertLessEqual(max(row[3] for row in found), 32)

@@ -82,7 +82,7 @@ class Tumbling(unittest.TestCase):
                 "Effects": {"Initial velocity": {"v": {
                     "Body": "block", "Velocity": list(speed), "Angular velocity": list(spin), "Centre": list(0.5 * size)}}},
             }
-            run = runs.solved(self, deck(tree), np=2, program="harmos")
+            run = runs.solved(self, deck(tree), np=runs.RANKS, program="harmos")
             table = columns(run)
             x, u, _ = field(run.directory, "displacement")
             errors.append(np.abs(x + u - 0.5 * size - speed * end - (x - 0.5 * size) @ turned.T).max())
@@ -128,7 +128,7 @@ class Tipping(unittest.TestCase):
 
     def test_fall(self):
         step, end = 0.01, 6.0
-        run = runs.solved(self, deck(self.scene(end, round(end / step), 25)), np=2, program="harmos")
+        run = runs.solved(self, deck(self.scene(end, round(end / step), 25)), np=runs.RANKS, program="harmos")
         table = columns(run)
         radius, start = 0.5 * math.hypot(self.WIDTH, self.HEIGHT), math.atan2(self.WIDTH, self.HEIGHT)
         edge = np.array([self.WIDTH, 0.0])
@@ -203,7 +203,7 @@ class Collision(unittest.TestCase):
                 "Initial velocity": {"v": {"Body": "block", "Velocity": [-speed, 0.2 * speed, 0.0]}},
             },
         }
-        table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+        table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
         mass = 0.3**3
         for axis, before in (("x", -mass * speed), ("y", 0.2 * mass * speed), ("z", 0.0)):
             self.assertLess(np.abs(table[f"momentum/{axis}"] - before).max(), 1e-7 * mass * speed)
@@ -256,7 +256,7 @@ class Yielding(unittest.TestCase):
                 "Steps": steps(1.0, 2 * cells, 0.8), "Solver": {"Tolerance": 1e-8}, "Output": {"Every": 1000000},
                 "Effects": {"Obstacle": WALL, "Initial velocity": {"v": {"Body": "bar", "Velocity": [-speed, 0.0, 0.0]}}},
             }
-            table = columns(runs.solved(self, deck(tree), np=2, program="harmos"))
+            table = columns(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
             force = table["Obstacle/wall/fx"][table["time"] > 0.3] / (area * stress)
             whole = (table["kinetic"] + table["energy"] + table["dissipated"]) / (0.5 * area * speed**2)
             found.append((cells, abs(force.mean() - 1.0), np.abs(force - 1.0).max(), np.abs(whole - 1.0).max(),
