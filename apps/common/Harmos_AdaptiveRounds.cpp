@@ -217,10 +217,36 @@ AdaptiveRounds::Judgement AdaptiveRounds::estimate(const scene::Scene& scene,
   return result;
 }
 
+namespace {
+
+// Nothing is deformed, beyond errors of the solver: bodies that may touch do not, on this mesh.
+bool isAtRest(const run::RunReport& report) {
+  constexpr double share = 0.3; // above one where there is nothing, 1e-3 where there is
+  return report.audit.energyNorm <= 0.0 || report.solverError >= share * report.audit.energyNorm;
+}
+
+// Where bodies are nearest to each other: those of the next mesh may touch there.
+std::vector<fem::Point> nearestPlaces(const Teuchos::Comm<int>& comm, const run::RunReport& report) {
+  const run::WholeContact whole = run::gatherContact(comm, report.contactPoints, report.contact);
+  double least = std::numeric_limits<double>::max();
+  for (const run::ContactState& state : whole.states)
+    least = std::min(least, state.gap);
+  std::vector<fem::Point> places;
+  for (std::size_t k = 0; k < whole.points.size(); ++k)
+    if (whole.states[k].gap <= 2.0 * std::max(least, 0.0))
+      places.push_back(whole.points[k].position);
+  return places;
+}
+
+} // namespace
+
 std::string AdaptiveRounds::judge(const scene::Scene& scene, const run::Solution& solution,
                                   run::RunReport& report) {
   const Judgement round = estimate(scene, solution);
-  const double relative = round.energy.norm > 0.0 ? round.energy.error / round.energy.norm : 0.0;
+  const bool isResting = isAtRest(report);
+  const std::vector<fem::Point> nearest =
+      isResting ? nearestPlaces(*comm_, report) : std::vector<fem::Point>{};
+  const double relative = !isResting ? round.energy.error / round.energy.norm : nearest.empty() ? 0.0 : 1.0;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin_;
   const auto present = static_cast<double>(round.cells.size());
   rows_.push_back({present, static_cast<double>(report.primalDimension), relative, round.energy.norm,
@@ -229,8 +255,9 @@ std::string AdaptiveRounds::judge(const scene::Scene& scene, const run::Solution
   report.results["estimated_error"] = relative;
   if (expected_ > 0.0)
     slowness_ = rows_.back().seconds / expected_;
-  std::string text = "Round " + std::to_string(rows_.size()) + ": " + std::to_string(round.cells.size()) +
-                     " cells, estimated error " + percent(relative) + " in the energy norm";
+  std::string text =
+      "Round " + std::to_string(rows_.size()) + ": " + std::to_string(round.cells.size()) + " cells, " +
+      (isResting ? "nothing is deformed" : "estimated error " + percent(relative) + " in the energy norm");
   double reached = relative;
   if (solution.quantity) {
     reached = round.square / round.scale;
@@ -240,7 +267,8 @@ std::string AdaptiveRounds::judge(const scene::Scene& scene, const run::Solution
     value << ", " << std::setprecision(7) << solution.quantity->value << " within " << percent(reached);
     text += value.str();
   }
-  const bool isReached = reached <= target_, isLast = static_cast<int>(rows_.size()) > limits_.rounds;
+  const bool isReached = reached <= target_ && nearest.empty(),
+             isLast = static_cast<int>(rows_.size()) > limits_.rounds;
   const bool isFull = limits_.cells > 0.0 && present > 0.9 * limits_.cells;
   isOver_ = isReached || isLast || isFull || !report.converged;
   if (isOver_)
@@ -248,12 +276,18 @@ std::string AdaptiveRounds::judge(const scene::Scene& scene, const run::Solution
                    : isLast  ? "; no more rounds are allowed"
                    : isFull  ? "; a finer mesh would have more cells than \"Adaptivity/Maximum cells\" allows"
                              : "");
+  const int dimension = scene.physics == scene::Physics::Solid ? 3 : 2;
+  if (isResting) {
+    const run::NextMesh next = aim_->nextAtRest(round.cells, nearest, dimension);
+    sizes_ = next.sizes;
+    return text + ": finer where bodies are nearest to each other, some " +
+           std::to_string(std::llround(next.cells)) + " next";
+  }
   long long order = 1;
   for (const scene::OwnedSubdomain& item : solution.owned)
     order = std::max(order, static_cast<long long>(fem::shapeOf(item.mesh.mesh->cellType).order));
   const run::NextMesh next = aim_->next(round.cells, {round.error(), std::sqrt(round.scale),
-                                                      static_cast<int>(globalMax(*comm_, order)),
-                                                      scene.physics == scene::Physics::Solid ? 3 : 2});
+                                                      static_cast<int>(globalMax(*comm_, order)), dimension});
   sizes_ = next.sizes;
   return text + "; some " + std::to_string(std::llround(next.cells)) + " next";
 }

@@ -76,6 +76,20 @@ TEST(NextMesh, limits) {
   EXPECT_DOUBLE_EQ(shorter.lengths[3], 0.8 * asked.lengths[3]);
 }
 
+// Where nothing is known of errors: half the size at the places, elsewhere as it was.
+TEST(NextMesh, finer_at_places) {
+  const std::vector<CellError> all = cells();
+  const run::NextMesh next = run::finerAt(all, {all[10].centre}, 2, 1.25);
+  double count = 0.0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const bool isNear = k >= 9 && k <= 11;
+    EXPECT_DOUBLE_EQ(next.lengths[k], (isNear ? 0.05 : 0.1) / 1.25) << k;
+    count += isNear ? 4.0 : 1.0;
+  }
+  EXPECT_DOUBLE_EQ(next.cells, count);
+  EXPECT_LT((*next.sizes)(all[10].centre), (*next.sizes)(all[20].centre));
+}
+
 // The first rounds are limited by growth and by a share of the error; a mesher that makes longer edges is
 // asked for shorter ones; a target that was missed is aimed below.
 TEST(RoundAim, what_became_of_rounds_before) {

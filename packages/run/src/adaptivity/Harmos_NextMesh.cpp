@@ -56,6 +56,14 @@ double largest(const std::vector<CellError>& cells) {
   return most > 0.0 ? most : 1.0;
 }
 
+std::shared_ptr<const fem::SizeField> sizesAt(const std::vector<CellError>& cells,
+                                              const std::vector<double>& lengths) {
+  std::vector<fem::Point> places;
+  for (const CellError& cell : cells)
+    places.push_back(cell.centre);
+  return std::make_shared<const fem::SizeField>(std::move(places), lengths);
+}
+
 std::array<long long, 3> keyOf(const fem::Point& x, double scale) {
   std::array<long long, 3> key{};
   for (std::size_t d = 0; d < 3; ++d)
@@ -110,12 +118,26 @@ NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal) {
     c = most;
     result.cells = cellsOf(wish, c, d);
   }
-  std::vector<fem::Point> places;
-  for (std::size_t k = 0; k < cells.size(); ++k) {
-    places.push_back(cells[k].centre);
+  for (std::size_t k = 0; k < cells.size(); ++k)
     result.lengths.push_back(factorOf(c * wish[k]) * cells[k].size / goal.stretch);
+  result.sizes = sizesAt(cells, result.lengths);
+  return result;
+}
+
+NextMesh finerAt(const std::vector<CellError>& cells, const std::vector<fem::Point>& places, int dimension,
+                 double stretch) {
+  constexpr double near = 1.5; // sizes of a cell, to its centre
+  NextMesh result = {nullptr, 0.0, {}};
+  for (const CellError& cell : cells) {
+    const bool isNear = std::any_of(places.begin(), places.end(), [&](const fem::Point& place) {
+      return std::hypot(place[0] - cell.centre[0], place[1] - cell.centre[1], place[2] - cell.centre[2]) <
+             near * cell.size;
+    });
+    const double factor = isNear ? factorOf(0.0) : 1.0;
+    result.cells += std::pow(factor, -dimension);
+    result.lengths.push_back(factor * cell.size / stretch);
   }
-  result.sizes = std::make_shared<const fem::SizeField>(std::move(places), result.lengths);
+  result.sizes = sizesAt(cells, result.lengths);
   return result;
 }
 

@@ -52,4 +52,10 @@ struct NextMesh {
 /// @throws InternalError for no cells. Local. Guarded by tests/unit/run/test_next_mesh.cpp.
 NextMesh nextMesh(const std::vector<CellError>& cells, const MeshGoal& goal);
 
+/// The mesh after an answer in which nothing is deformed, of whose errors nothing is known: half the size in
+/// cells at these places, where bodies may come to touch.
+/// @param stretch as MeshGoal::stretch. Local. Guarded by tests/unit/run/test_next_mesh.cpp.
+NextMesh finerAt(const std::vector<CellError>& cells, const std::vector<fem::Point>& places, int dimension,
+                 double stretch);
+
 } // namespace Harmos::run

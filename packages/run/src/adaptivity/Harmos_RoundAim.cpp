@@ -6,11 +6,23 @@
 
 namespace Harmos::run {
 
+void RoundAim::learnStretch(double cells, int dimension) {
+  if (foretold_.cells > 0.0)
+    stretch_ = std::clamp(stretch_ * std::pow(foretold_.cells / cells, 1.0 / dimension), 0.7, 1.4);
+}
+
+NextMesh RoundAim::nextAtRest(const std::vector<CellError>& cells, const std::vector<fem::Point>& places,
+                              int dimension) {
+  learnStretch(static_cast<double>(cells.size()), dimension);
+  NextMesh next = finerAt(cells, places, dimension, stretch_);
+  foretold_ = {next.cells, 0.0, false};
+  return next;
+}
+
 NextMesh RoundAim::next(const std::vector<CellError>& cells, const Round& round) {
   constexpr double margin = 0.95, least = 0.35, growth = 3.0;
   const auto present = static_cast<double>(cells.size());
-  if (foretold_.cells > 0.0)
-    stretch_ = std::clamp(stretch_ * std::pow(foretold_.cells / present, 1.0 / round.dimension), 0.7, 1.4);
+  learnStretch(present, round.dimension);
   if (foretold_.isOfTarget)
     excess_ = std::clamp(excess_ * round.error / foretold_.error, 1.0, 2.0);
   const double target = margin * target_ / excess_, aim = std::max(target, least * round.error);

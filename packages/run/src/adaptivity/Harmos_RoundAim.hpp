@@ -37,8 +37,13 @@ class RoundAim {
   };
   /// After a round, whose cells these are. @throws InternalError as nextMesh().
   NextMesh next(const std::vector<CellError>& cells, const Round& round);
+  /// After one in which nothing is deformed: see finerAt().
+  NextMesh nextAtRest(const std::vector<CellError>& cells, const std::vector<fem::Point>& places,
+                      int dimension);
 
  private:
+  void learnStretch(double cells, int dimension);
+
   double target_, maximumCells_;
   struct {
     double cells = 0.0, error = 0.0;
