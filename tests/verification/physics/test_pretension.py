@@ -226,7 +226,7 @@ class Steps(Case):
         self.assertEqual(run.end(), 4, run.text())
         with open(path, newline="", encoding="utf-8") as file:
             self.assertLess(len(list(csv.DictReader(file))), 120)
-        again = runs.start(["--restart", run.directory, "--output", run.directory], 4, program="harmos")
+        again = runs.start(["--restart", run.directory, "--output", run.directory], 1, program="harmos")
         self.assertEqual(again.returncode, 0, again)
         self.assertIn("Restart after", again.stdout)
         with open(path, newline="", encoding="utf-8") as file:

@@ -127,7 +127,7 @@ class Tipping(unittest.TestCase):
         }
 
     def test_fall(self):
-        step, end = 0.01, 6.0
+        step, end = 0.01, 7.0
         run = runs.solved(self, deck(self.scene(end, round(end / step), 25)), np=runs.RANKS, program="harmos")
         table = columns(run)
         radius, start = 0.5 * math.hypot(self.WIDTH, self.HEIGHT), math.atan2(self.WIDTH, self.HEIGHT)
