@@ -47,6 +47,7 @@ class Installed(unittest.TestCase):
             f"-DCOMPONENTS={';'.join(components)}",
             f"-DEXAMPLES={SOURCE / 'docs' / 'examples'}",
             "-DCMAKE_BUILD_TYPE=Release",
+            "-DCMAKE_CXX_FLAGS_RELEASE=-O0",  # what is linked to is optimised
             *([f"-DCMAKE_CXX_COMPILER_LAUNCHER={shutil.which('ccache')}"] if shutil.which("ccache") else []),
             *(f"-D{key}={value}" for key, value in more.items()),
             check=False,
@@ -257,6 +258,8 @@ class Package(unittest.TestCase):
             fields = run("dpkg-deb", "--field", package).stdout
             for library in ("libtrilinos-tpetra", "libmumps", "libmetis", "libhdf5"):
                 self.assertIn(library, fields)
+            if "HARMOS_ENABLE_GMSH:BOOL=ON" in (Path(BINARY) / "CMakeCache.txt").read_text():
+                self.assertRegex(fields, r"(?m)^Depends: .*\blibgmsh")  # loaded by name
             for module in ("h5py", "matplotlib", "numpy", "vtk9"):
                 self.assertRegex(fields, rf"(?m)^Recommends: .*\bpython3-{module}\b")
             self.assertRegex(fields, r"(?m)^Depends: .*\bpython3(,|$)")

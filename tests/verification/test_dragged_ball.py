@@ -222,7 +222,7 @@ class Dragged(unittest.TestCase):
 
     def test_a_small_coefficient_on_any_ranks(self):
         reference = self.go(0.3)
-        for parts, ranks in ((8, 1), (20, 4)):
+        for parts, ranks in ((8, 1), (20, 2)):
             steps, _ = solved(self, 0.3, parts, ranks)
             self.compare(0.3, steps, reference, f"{parts} parts on {ranks} ranks")
 

@@ -11,7 +11,7 @@ namespace Harmos {
 /// named as the only transport. What the user has chosen (OMPI_MCA_pml, _mtl, _btl) stays, and ranks on
 /// several machines, other launchers and other MPI libraries are left alone.
 ///
-/// @note Sets environment variables of this process. Measured in docs/unstructured.md.
+/// @note Sets environment variables of this process. Measured in docs/embedding.md.
 void prepareMpiStart();
 
 } // namespace Harmos

@@ -149,7 +149,7 @@ class Hill(unittest.TestCase):
 
     def test_on_any_number_of_ranks_and_after_a_restart(self):
         pressure = 0.25
-        path = deck(self.tree(ring(24), pressure, tolerance=1e-7, times=[0.1 * (i + 1) for i in range(10)], parts=6))
+        path = deck(self.tree(ring(12), pressure, tolerance=1e-7, times=[0.1 * (i + 1) for i in range(10)], parts=6))
         done = {np_: runs.solved(self, path, np=np_, program="harmos").directory for np_ in (1, 2, 4)}
         rows = {np_: steps_of(directory) for np_, directory in done.items()}
         for np_ in (2, 4):
