@@ -24,21 +24,6 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
   target_compile_options(harmos_setup_flags INTERFACE $<$<CONFIG:Release>:-Wno-maybe-uninitialized>)
 endif()
 
-# Tpetra, Teuchos and the standard library are read once for each of these kinds of flags: a third of a compilation.
-foreach(kind IN ITEMS harmos_flags harmos_setup_flags)
-  add_library(${kind}_headers OBJECT ${PROJECT_SOURCE_DIR}/cmake/precompiled/Harmos_CommonHeaders.cpp)
-  target_link_libraries(${kind}_headers PRIVATE ${kind} harmos_dep::tpetra)
-  target_compile_features(${kind}_headers PRIVATE cxx_std_17)
-  target_precompile_headers(${kind}_headers PRIVATE ${PROJECT_SOURCE_DIR}/cmake/precompiled/Harmos_CommonHeaders.hpp)
-endforeach()
-
-# harmos_precompile(<target> [<flags>]): a target with harmos_setup_flags, or others.
-function(harmos_precompile target)
-  set(flags ${ARGN} harmos_setup_flags)
-  list(GET flags 0 kind)
-  target_precompile_headers(${target} REUSE_FROM ${kind}_headers)
-endfunction()
-
 # harmos_add_package(<name> SOURCES <files> [FOLDERS <f>...] [INTERNAL <headers>...] [PUBLIC <targets>]
 #                    [PRIVATE <targets>] [SETUP])
 #
@@ -77,7 +62,6 @@ function(harmos_add_package name)
   target_include_directories(harmos_${name} PUBLIC $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/harmos>)
   target_compile_features(harmos_${name} PUBLIC cxx_std_17)
   target_link_libraries(harmos_${name} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:${flags}>)
-  harmos_precompile(harmos_${name} ${flags})
   set_target_properties(harmos_${name} PROPERTIES EXPORT_NAME ${name})
   install(TARGETS harmos_${name} EXPORT HarmosTargets COMPONENT development)
 endfunction()

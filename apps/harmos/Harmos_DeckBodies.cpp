@@ -251,8 +251,17 @@ std::string meshFileOf(const DeckContext& context) {
 std::shared_ptr<const fem::CutMeshFile> cutMeshOf(const DeckContext& context) {
   std::shared_ptr<const fem::CutMeshFile> cut;
   agree(context.comm, [&] {
-    if (const std::string file = meshFileOf(context); fem::CutMeshFile::isOne(file))
-      cut = std::make_shared<const fem::CutMeshFile>(file);
+    const std::string file = meshFileOf(context);
+    if (!fem::CutMeshFile::isOne(file))
+      return;
+    cut = std::make_shared<const fem::CutMeshFile>(file);
+    const ParameterList& model = context.deck.sublist("Model");
+    if (model.isParameter("Mesh size") &&
+        (model.get<double>("Mesh size") > 0.0 || model.get<int>("Mesh order") > 0))
+      throw InputError("\"" + file +
+                           "\" is a mesh that harmos-mesh has cut: \"Model/Mesh size\" and \"Mesh order\" "
+                           "have no effect; give them to harmos-mesh (--size, --order)",
+                       {{"path", "Model/Mesh size"}});
   });
   return cut;
 }
@@ -397,8 +406,11 @@ std::vector<Blocks> readBlocks(const DeckContext& context, const std::string& fi
   fem::GmshMeshing meshing;
   meshing.sizes = context.sizes;
   const ParameterList& model = context.deck.sublist("Model");
-  if (meshing.sizes == nullptr && file == meshFileOf(context) && model.isParameter("Mesh size"))
-    meshing.size = model.get<double>("Mesh size");
+  if (file == meshFileOf(context) && model.isParameter("Mesh size")) {
+    if (meshing.sizes == nullptr)
+      meshing.size = model.get<double>("Mesh size");
+    meshing.order = model.get<int>("Mesh order");
+  }
   return fem::groupedByBody(fem::readGmsh(file, wanted, dimension, meshing));
 }
 

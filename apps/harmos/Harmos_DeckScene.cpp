@@ -38,6 +38,9 @@ void addSceneParameters(ParameterSpec& deck, const scene::EffectRegistry& regist
         "Mesh size", 0.0, Range::atLeast(0.0),
         "Longest edge, about, of the cells of a geometry that is meshed (.geo, .step). 0: as the file has "
         "it.");
+    model.integer("Mesh order", 0, 0, 2,
+                  "Order of the cells of a geometry that is meshed: 2 has nodes in the middle of edges, on "
+                  "the curved surface. 0: as the file has it, or 1.");
   }
   model.text("Name", "scene", "Name of the scene in log and summary.");
   model.text("Mesh file", "",

@@ -97,6 +97,16 @@ class Corner(unittest.TestCase):
 
         runs.table("Re-entrant corner", ("order", "cells", "dofs", "estimated", "true", "seconds"), found)
 
+    def test_order_that_the_deck_asks_for(self):
+        """The meshes of a geometry that asks for that order itself, also once cells are adapted."""
+        tree = scene(corner(0.3, 1), "plane strain", PULL, {"Rounds": 2, "Target error": 1e-3})
+        tree["Model"]["Mesh order"] = 2
+        asked = rounds_of(runs.solved(self, deck(tree), np=runs.RANKS, program="harmos"))
+        _, own = self.rounds(corner(0.3, 2), {"Rounds": 2, "Target error": 1e-3})
+        for a, b in zip(asked, own):
+            self.assertEqual(a["dofs"], b["dofs"])
+            self.assertLess(abs(a["energy"] / b["energy"] - 1.0), 1e-8)  # ten times the tolerance
+
     def test_limit_of_cells(self):
         _, rows = self.rounds(corner(0.3), {"Rounds": 8, "Target error": 0.001, "Maximum cells": 2000})
         self.assertLess(rows[-1]["cells"], 2600)
