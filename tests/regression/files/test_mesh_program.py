@@ -144,6 +144,11 @@ class Cut(unittest.TestCase):
         run = runs.run(DECKS / "tied_inclusion.xml", {"Model/Mesh file": directory / "mesh.h5"}, program="harmos")
         self.assertEqual(run.returncode, 2, run)
         self.assertIn("but the mesh file is already partitioned into 1 subdomains", run.stderr)
+        for name, value in (("Mesh size", 0.1), ("Mesh order", 2)):
+            run = runs.run(DECKS / "tied_inclusion.xml",
+                           {"Model/Mesh file": directory / "mesh.h5", f"Model/{name}": value}, program="harmos")
+            self.assertEqual(run.returncode, 2, run)
+            self.assertIn("have no effect; give them to harmos-mesh (--size, --order)", run.stderr)
         done = mesh(DECKS / "tied_inclusion.geo", "--body", "plate", "--output", directory / "half.h5", "--dimension", 2)
         self.assertEqual(done.returncode, 0, done)
         run = runs.run(DECKS / "tied_inclusion.xml",
