@@ -222,7 +222,8 @@ namespace {
 // Nothing is deformed, beyond errors of the solver: bodies that may touch do not, on this mesh.
 bool isAtRest(const run::RunReport& report) {
   constexpr double share = 0.3; // above one where there is nothing, 1e-3 where there is
-  return report.audit.energyNorm <= 0.0 || report.solverError >= share * report.audit.energyNorm;
+  return report.converged &&
+         (report.audit.energyNorm <= 0.0 || report.solverError >= share * report.audit.energyNorm);
 }
 
 // Where bodies are nearest to each other: those of the next mesh may touch there.
@@ -246,7 +247,9 @@ std::string AdaptiveRounds::judge(const scene::Scene& scene, const run::Solution
   const bool isResting = isAtRest(report);
   const std::vector<fem::Point> nearest =
       isResting ? nearestPlaces(*comm_, report) : std::vector<fem::Point>{};
-  const double relative = !isResting ? round.energy.error / round.energy.norm : nearest.empty() ? 0.0 : 1.0;
+  // Without stress, as of a body that expands freely, there is nothing to be a share of.
+  const double share = round.energy.norm > 0.0 ? round.energy.error / round.energy.norm : 0.0;
+  const double relative = !isResting ? share : nearest.empty() ? 0.0 : 1.0;
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin_;
   const auto present = static_cast<double>(round.cells.size());
   rows_.push_back({present, static_cast<double>(report.primalDimension), relative, round.energy.norm,
