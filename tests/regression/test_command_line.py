@@ -440,6 +440,12 @@ class Information(Case):
             for option in ("--set", "--output", "--check", "--print-parameters", "--quiet"):
                 self.assertIn(option, text)
 
+    def test_a_run_without_a_launcher_says_nothing_on_stderr(self):
+        """Nor does Open MPI, of what its start was told to do without; results are written by MPI's files."""
+        result = runs.run(runs.MODEL, TINY, np=0)
+        self.assertEqual((result.returncode, result.stderr), (0, ""), result)
+        self.assertTrue((result.directory / "result.vtkhdf").is_file())
+
     def test_quiet_run_prints_nothing(self):
         for np in (0, 2):
             result = runs.run(runs.MODEL, TINY, np=np, extra=["--quiet"])

@@ -49,6 +49,8 @@ void prepareMpiStart() {
     // Else all programs without a daemon share one directory, and the first that ends removes it for those
     // that begin.
     propose("OMPI_MCA_orte_create_session_dirs", "0");
+    // It would keep the file pointers that ranks share in that directory; there are none.
+    propose("OMPI_MCA_sharedfp", "^sm");
   }
   if (isSet("OMPI_MCA_pml") || isSet("OMPI_MCA_mtl") || isSet("OMPI_MCA_btl"))
     return;

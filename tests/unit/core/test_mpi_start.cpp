@@ -46,7 +46,7 @@ class MpiStart : public testing::Test {
   }
 
  private:
-  static constexpr std::array<const char*, 12> names = {"OMPI_COMM_WORLD_SIZE",
+  static constexpr std::array<const char*, 13> names = {"OMPI_COMM_WORLD_SIZE",
                                                         "OMPI_COMM_WORLD_LOCAL_SIZE",
                                                         "PMIX_RANK",
                                                         "PMIX_NAMESPACE",
@@ -57,7 +57,8 @@ class MpiStart : public testing::Test {
                                                         "OMPI_MCA_mtl",
                                                         "OMPI_MCA_ess_singleton_isolated",
                                                         "OMPI_MCA_btl",
-                                                        "OMPI_MCA_orte_create_session_dirs"};
+                                                        "OMPI_MCA_orte_create_session_dirs",
+                                                        "OMPI_MCA_sharedfp"};
   Variables before_;
 };
 
@@ -68,9 +69,10 @@ TEST_F(MpiStart, SharedMemoryWhereAllRanksAreOnOneMachine) {
   EXPECT_EQ(here.at("OMPI_MCA_pml"), "ob1");
   EXPECT_EQ(here.at("OMPI_MCA_btl").rfind("self,", 0), 0U);
   const Variables alone = proposed({});
-  EXPECT_EQ(alone.size(), 4U);
+  EXPECT_EQ(alone.size(), 5U);
   EXPECT_EQ(alone.at("OMPI_MCA_ess_singleton_isolated"), "1");
   EXPECT_EQ(alone.at("OMPI_MCA_orte_create_session_dirs"), "0");
+  EXPECT_EQ(alone.at("OMPI_MCA_sharedfp"), "^sm");
 }
 
 TEST_F(MpiStart, LeavesOtherStartsAlone) {
